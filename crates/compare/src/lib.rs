@@ -1,0 +1,1 @@
+//! Two pictures to error figures, masks, heat maps and a report page.

@@ -1,0 +1,180 @@
+//! The iris: the flat, open shape through which every ray passes.
+
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::{OpticsError, error::in_range};
+
+/// The outline of the opening, for a radius of 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ApertureShape {
+    /// A full disc.
+    #[default]
+    Disc,
+    /// A regular polygon whose corners lie on the unit circle.
+    Polygon {
+        /// Number of blades, 3 to 32.
+        blades: u32,
+        /// Direction of the first corner, radians from e1 towards e2.
+        rotation: f64,
+    },
+}
+
+impl ApertureShape {
+    /// A regular polygon with 3 to 32 blades, its first corner at `rotation` radians from e1 towards e2.
+    pub fn polygon(blades: u32, rotation: f64) -> Result<Self, OpticsError> {
+        in_range("number of aperture blades", f64::from(blades), "3 to 32", |n| (3.0..=32.0).contains(&n))?;
+        in_range("rotation of the aperture in radians", rotation, "finite", |_| true)?;
+        Ok(Self::Polygon { blades, rotation })
+    }
+
+    /// A point of the opening for a point of the unit square; uniform in area, continuous and of low distortion.
+    #[must_use]
+    pub fn sample(&self, u: DVec2) -> DVec2 {
+        match *self {
+            Self::Disc => concentric_disc(u),
+            Self::Polygon { blades, rotation } => polygon_point(u, blades, rotation),
+        }
+    }
+
+    /// Whether a point lies in the opening.
+    #[must_use]
+    pub fn contains(&self, p: DVec2) -> bool {
+        match *self {
+            Self::Disc => p.length_squared() <= 1.0,
+            Self::Polygon { blades, rotation } => {
+                let wedge = std::f64::consts::TAU / f64::from(blades);
+                let angle = (p.y.atan2(p.x) - rotation).rem_euclid(wedge) - 0.5 * wedge;
+                p.length() * angle.cos() <= (0.5 * wedge).cos()
+            }
+        }
+    }
+
+    /// Area of the opening; pi for a disc.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        match *self {
+            Self::Disc => std::f64::consts::PI,
+            Self::Polygon { blades, .. } => {
+                let n = f64::from(blades);
+                0.5 * n * (std::f64::consts::TAU / n).sin()
+            }
+        }
+    }
+
+    /// Variance of a uniform point of the opening along any axis; 1/4 for a disc.
+    #[must_use]
+    pub fn variance(&self) -> f64 {
+        match *self {
+            Self::Disc => 0.25,
+            Self::Polygon { blades, .. } => (2.0 + (std::f64::consts::TAU / f64::from(blades)).cos()) / 12.0,
+        }
+    }
+}
+
+/// Shirley and Chiu's concentric map of the square onto the disc.
+fn concentric_disc(u: DVec2) -> DVec2 {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+    let s = 2.0 * u - 1.0;
+    if s == DVec2::ZERO {
+        return s;
+    }
+    let (r, angle) =
+        if s.x.abs() > s.y.abs() { (s.x, FRAC_PI_4 * s.y / s.x) } else { (s.y, FRAC_PI_2 - FRAC_PI_4 * s.x / s.y) };
+    r * DVec2::new(angle.cos(), angle.sin())
+}
+
+/// The concentric disc's angle and radius, with each ring pressed onto the polygon's outline.
+fn polygon_point(u: DVec2, blades: u32, rotation: f64) -> DVec2 {
+    let on_disc = concentric_disc(u);
+    let (radius, turn) = (on_disc.length(), on_disc.y.atan2(on_disc.x).rem_euclid(std::f64::consts::TAU));
+    // Equal angles are equal areas of the disc; equal lengths along the outline are equal areas of the polygon
+    let wedge = std::f64::consts::TAU / f64::from(blades);
+    let along = turn / wedge;
+    let first = along.floor();
+    let corner = |k: f64| DVec2::from_angle(rotation + wedge * k);
+    radius * corner(first).lerp(corner(first + 1.0), along - first)
+}
+
+/// Where the iris stands and how wide it opens.
+///
+/// e1, e2 and the normal m are perpendicular unit vectors in camera space; m.z > 0. A radius of 0 is a pinhole.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Iris {
+    e1: DVec3,
+    e2: DVec3,
+    m: DVec3,
+    radius: f64,
+    shape: ApertureShape,
+}
+
+impl Iris {
+    /// An iris across `normal` (camera space, any length, z > 0) with `radius` in scene units.
+    ///
+    /// e1 lies in the x-z plane and e2 points up: both are x and y where the normal is z.
+    pub fn new(normal: DVec3, radius: f64, shape: ApertureShape) -> Result<Self, OpticsError> {
+        in_range("aperture radius", radius, "0 (pinhole) or positive", |r| r >= 0.0)?;
+        let m = normal.try_normalize().unwrap_or(DVec3::NAN);
+        in_range("z of the iris normal", m.z, "positive: the iris must face the scene", |z| z > 0.0)?;
+        let e1 = DVec3::new(m.z, 0.0, -m.x).normalize();
+        Ok(Self { e1, e2: m.cross(e1), m, radius, shape })
+    }
+
+    /// An iris parallel to the sensor.
+    pub fn upright(radius: f64, shape: ApertureShape) -> Result<Self, OpticsError> {
+        Self::new(DVec3::Z, radius, shape)
+    }
+
+    /// The iris that lets only chief rays pass.
+    #[must_use]
+    pub fn pinhole() -> Self {
+        Self { e1: DVec3::X, e2: DVec3::Y, m: DVec3::Z, radius: 0.0, shape: ApertureShape::Disc }
+    }
+
+    /// The same iris opened to another radius.
+    pub fn with_radius(self, radius: f64) -> Result<Self, OpticsError> {
+        in_range("aperture radius", radius, "0 (pinhole) or positive", |r| r >= 0.0)?;
+        Ok(Self { radius, ..self })
+    }
+
+    /// First axis of the opening.
+    #[must_use]
+    pub fn e1(&self) -> DVec3 {
+        self.e1
+    }
+
+    /// Second axis of the opening.
+    #[must_use]
+    pub fn e2(&self) -> DVec3 {
+        self.e2
+    }
+
+    /// Unit normal.
+    #[must_use]
+    pub fn normal(&self) -> DVec3 {
+        self.m
+    }
+
+    /// Radius in scene units; 0 for a pinhole.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Outline.
+    #[must_use]
+    pub fn shape(&self) -> ApertureShape {
+        self.shape
+    }
+
+    /// The point of the opening for a point of the unit square, uniform in area; camera space.
+    #[must_use]
+    pub fn point(&self, u: DVec2) -> DVec3 {
+        if self.radius == 0.0 {
+            return DVec3::ZERO;
+        }
+        let p = self.radius * self.shape.sample(u);
+        self.e1 * p.x + self.e2 * p.y
+    }
+}

@@ -1,0 +1,44 @@
+//! The camera of a tilt-shift lens: where it looks, what it holds sharp, and how large everything else blurs.
+//!
+//! # Conventions
+//!
+//! Camera space is left-handed: **x right, y up, z = depth into the scene** along the sensor's normal (OpenEXR's
+//! `worldToCamera` space). The lens centre is the origin. A pixel is its chief-ray direction `q = (qx, qy)`, the ray
+//! `(qx, qy, 1)`; row 0 of the picture is the *largest* `qy`. The sensor is the plane `z = -v`.
+//!
+//! ```text
+//!            y up                        Positive tilt turns the lens axis n downwards,
+//!            |   plane of focus          then positive swing turns it to the right:
+//!            |  /   w . P = 1              n = (sin s cos t, -sin t, cos s cos t)
+//!   sensor   | /                         Positive tilt puts the hinge below the lens:
+//!   z = -v   |/                          the plane of focus lies along the floor.
+//!     |      +--------> z depth          Positive shift is rise / right.
+//!     |      lens
+//! ```
+//!
+//! # One vector does it all
+//!
+//! A thin lens measured along its own axis n gives `1/(n.P) + 1/(k n.P) = 1/F` for a point P and its image -kP, so a
+//! pixel is sharp at a depth whose *inverse is affine in the pixel*:
+//!
+//! ```text
+//! 1 / z_f(q) = w(q) = w . (qx, qy, 1)    with    w = n / F - z^ / v
+//! ```
+//!
+//! The plane of sharp focus is `w . P = 1`. Everything in this crate follows from that one vector; see [`Focus`].
+//!
+//! All lengths in a [`Camera`] are in one unit, the scene's; [`ThinLens`] is in metres or any other one unit.
+
+mod camera;
+mod error;
+mod film;
+mod focus;
+mod iris;
+mod pose;
+
+pub use camera::{Camera, LensRay};
+pub use error::OpticsError;
+pub use film::Film;
+pub use focus::Focus;
+pub use iris::{ApertureShape, Iris};
+pub use pose::Pose;

@@ -1,0 +1,2 @@
+//! Tilt-shift depth of field.
+pub use {compare, filter, optics, rgbd, trace};

@@ -1,0 +1,1 @@
+//! A distributed ray tracer whose lens tilts, swings and shifts.
