@@ -16,8 +16,8 @@ pub enum OpticsError {
         /// The range that would do.
         wanted: &'static str,
     },
-    /// The three axes of a pose are not an orthonormal frame.
-    #[error("camera axes are not perpendicular unit vectors: {0}")]
+    /// The three axes of a pose or of an iris are not an orthonormal frame.
+    #[error("axes are not perpendicular unit vectors: {0}")]
     NotAFrame(&'static str),
     /// w_z <= -1/v: the lens would have to face away from the scene.
     #[error(

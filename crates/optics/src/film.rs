@@ -10,6 +10,7 @@ use crate::{OpticsError, error::in_range};
 /// Pixel coordinates are continuous: (0, 0) is the top left corner of the display window, (width, height) its bottom
 /// right corner, pixel (i, j) has its centre at (i + 0.5, j + 0.5). Coordinates outside are fine (overscan).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written")]
 pub struct Film {
     min: DVec2,
     max: DVec2,
@@ -98,5 +99,22 @@ impl Film {
     pub fn corners(&self) -> [DVec2; 4] {
         let (a, b) = (self.min, self.max);
         [DVec2::new(a.x, b.y), b, a, DVec2::new(b.x, a.y)]
+    }
+}
+
+/// The film as it stands in a file; checked before it becomes one.
+#[derive(Deserialize)]
+struct Written {
+    min: DVec2,
+    max: DVec2,
+    width: u32,
+    height: u32,
+}
+
+impl TryFrom<Written> for Film {
+    type Error = OpticsError;
+
+    fn try_from(written: Written) -> Result<Self, OpticsError> {
+        Self::new(written.min, written.max, written.width, written.height)
     }
 }

@@ -13,6 +13,7 @@ use crate::{
 /// A pixel q is sharp at depth `1 / w(q)` with `w(q) = w . (q, 1)`: positive in front of the camera, zero at infinity,
 /// negative behind the camera (nothing is sharp, and the blur grows on).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written")]
 pub struct Focus {
     w: DVec3,
 }
@@ -119,5 +120,19 @@ impl Focus {
     pub fn inverse_depth_range(&self, film: &Film) -> [f64; 2] {
         let w = film.corners().map(|q| self.inverse_depth(q));
         w.iter().fold([w[0]; 2], |[least, most], &x| [least.min(x), most.max(x)])
+    }
+}
+
+/// The plane as it stands in a file; checked before it becomes one.
+#[derive(Deserialize)]
+struct Written {
+    w: DVec3,
+}
+
+impl TryFrom<Written> for Focus {
+    type Error = OpticsError;
+
+    fn try_from(written: Written) -> Result<Self, OpticsError> {
+        Self::new(written.w)
     }
 }

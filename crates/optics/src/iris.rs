@@ -24,9 +24,17 @@ pub enum ApertureShape {
 impl ApertureShape {
     /// A regular polygon with 3 to 32 blades, its first corner at `rotation` radians from e1 towards e2.
     pub fn polygon(blades: u32, rotation: f64) -> Result<Self, OpticsError> {
-        in_range("number of aperture blades", f64::from(blades), "3 to 32", |n| (3.0..=32.0).contains(&n))?;
-        in_range("rotation of the aperture in radians", rotation, "finite", |_| true)?;
-        Ok(Self::Polygon { blades, rotation })
+        let shape = Self::Polygon { blades, rotation };
+        shape.check()?;
+        Ok(shape)
+    }
+
+    fn check(&self) -> Result<(), OpticsError> {
+        if let Self::Polygon { blades, rotation } = *self {
+            in_range("number of aperture blades", f64::from(blades), "3 to 32", |n| (3.0..=32.0).contains(&n))?;
+            in_range("rotation of the aperture in radians", rotation, "finite", |_| true)?;
+        }
+        Ok(())
     }
 
     /// A point of the opening for a point of the unit square; uniform in area, continuous and of low distortion.
@@ -111,6 +119,7 @@ fn polygon_point(u: DVec2, blades: u32, rotation: f64) -> DVec2 {
 ///
 /// e1, e2 and the normal m are perpendicular unit vectors in camera space; m.z > 0. A radius of 0 is a pinhole.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written")]
 pub struct Iris {
     e1: DVec3,
     e2: DVec3,
@@ -125,6 +134,7 @@ impl Iris {
     /// e1 lies in the x-z plane and e2 points up: both are x and y where the normal is z.
     pub fn new(normal: DVec3, radius: f64, shape: ApertureShape) -> Result<Self, OpticsError> {
         in_range("aperture radius", radius, "0 (pinhole) or positive", |r| r >= 0.0)?;
+        shape.check()?;
         let m = normal.try_normalize().unwrap_or(DVec3::NAN);
         in_range("z of the iris normal", m.z, "positive: the iris must face the scene", |z| z > 0.0)?;
         Ok(Self::across(m, radius, shape))
@@ -191,5 +201,30 @@ impl Iris {
         }
         let p = self.radius * self.shape.sample(u);
         self.e1 * p.x + self.e2 * p.y
+    }
+}
+
+/// The iris as it stands in a file; checked before it becomes one.
+#[derive(Deserialize)]
+struct Written {
+    e1: DVec3,
+    e2: DVec3,
+    m: DVec3,
+    radius: f64,
+    shape: ApertureShape,
+}
+
+impl TryFrom<Written> for Iris {
+    type Error = OpticsError;
+
+    fn try_from(Written { e1, e2, m, radius, shape }: Written) -> Result<Self, OpticsError> {
+        const LOOSE: f64 = 1e-6; // what a file with floats may be off by
+        // A frame that is orthonormal and right is kept to the bit; its first axis may be turned, the normal not
+        Self::new(m, radius, shape)?;
+        let is_unit = |axis: DVec3| (axis.length() - 1.0).abs() <= LOOSE;
+        if !(is_unit(e1) && is_unit(m) && e1.dot(m).abs() <= LOOSE && e2.distance(m.cross(e1)) <= LOOSE) {
+            return Err(OpticsError::NotAFrame("e1, e2 and m of the iris are no right-handed frame"));
+        }
+        Ok(Self { e1, e2, m, radius, shape })
     }
 }

@@ -10,6 +10,7 @@ use crate::OpticsError;
 /// The three axes are perpendicular unit vectors; camera space (right, up, forward) is left-handed, so
 /// `right x up = -forward` in the world.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written")]
 pub struct Pose {
     /// Lens centre in world space, in scene units.
     pub position: DVec3,
@@ -92,5 +93,22 @@ impl Pose {
     #[must_use]
     pub fn point_to_camera(&self, p_world: DVec3) -> DVec3 {
         self.direction_to_camera(p_world - self.position)
+    }
+}
+
+/// The pose as it stands in a file; checked before it becomes one.
+#[derive(Deserialize)]
+struct Written {
+    position: DVec3,
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+}
+
+impl TryFrom<Written> for Pose {
+    type Error = OpticsError;
+
+    fn try_from(written: Written) -> Result<Self, OpticsError> {
+        Self::new(written.position, written.right, written.up, written.forward)
     }
 }

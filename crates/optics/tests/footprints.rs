@@ -1,0 +1,293 @@
+//! The footprint: exact moments and bounds, predicted departures from a disc, the choice of a kernel, the margin.
+
+mod random_lens;
+
+use glam::{DMat2, DVec2, DVec3};
+use optics::{
+    ApertureShape, Camera, DepthRange, Film, Focus, Footprint, Iris, KernelModel, OpticsError, Pose, Reading, ThinLens,
+};
+use proptest::prelude::*;
+use random_lens::{lens_camera, q_at, raw_camera, unit_square};
+
+/// A camera whose gather footprint at q = 0 has the lean `k` along e1, towards +x, and a spread of det cos(30 degrees).
+fn leaning(k: f64, shape: ApertureShape) -> Camera {
+    // e1 = (cos a, 0, sin a) with a = 30 degrees, so that R w(0) sin a = k
+    let iris = Iris::new(DVec3::new(-0.5, 0.0, 0.75f64.sqrt()), 1.0, shape).unwrap();
+    Camera {
+        pose: Pose::IDENTITY,
+        film: Film::from_fov(0.5, 100, 100).unwrap(),
+        focus: Focus::new(DVec3::new(0.0, 0.0, 2.0 * k)).unwrap(),
+        iris,
+    }
+}
+
+/// Moments of u / (1 - lean . u), by undoing the spread.
+fn unit_moments(footprint: &Footprint) -> (DVec2, DMat2) {
+    let moments = footprint.moments().unwrap();
+    let back = footprint.spread().inverse();
+    (back * moments.centroid, back * moments.covariance * back.transpose())
+}
+
+#[test]
+fn moments_of_a_square_opening_are_those_of_calculus() {
+    for (k, tolerance) in [(0.05, 1e-12), (0.5, 1e-12), (0.9, 1e-5)] {
+        // Sides along the lean: x uniform in +-a. E[1/(1-kx)] = atanh(ka)/(ka), E[1/(1-kx)^2] = 1/(1-k^2 a^2)
+        let a = 0.5f64.sqrt();
+        let square = ApertureShape::polygon(4, std::f64::consts::FRAC_PI_4).unwrap();
+        let footprint = Footprint::new(&leaning(k, square), Reading::Gather, DVec2::ZERO, 0.0);
+        let (mean, covariance) = unit_moments(&footprint);
+        let (g, h) = ((k * a).atanh() / (k * a), 1.0 / (1.0 - k * k * a * a));
+        check(mean, covariance, k, [g, h, a * a / 3.0 * h], tolerance);
+
+        // A corner along the lean: x has the density 1 - |x|, and y given x is uniform in +-(1 - |x|)
+        let diamond = ApertureShape::polygon(4, 0.0).unwrap();
+        let footprint = Footprint::new(&leaning(k, diamond), Reading::Gather, DVec2::ZERO, 0.0);
+        let (mean, covariance) = unit_moments(&footprint);
+        let (g, h) = (2.0 / k * k.atanh() + (-k * k).ln_1p() / (k * k), -(-k * k).ln_1p() / (k * k));
+        check(mean, covariance, k, [g, h, covariance.y_axis.y], tolerance);
+    }
+
+    /// From g = E[1/(1-kx)] and h = E[1/(1-kx)^2]: E[x/(1-kx)] = (g - 1)/k, E[(x/(1-kx))^2] = (h - 2g + 1)/k^2.
+    fn check(mean: DVec2, covariance: DMat2, k: f64, [g, h, across]: [f64; 3], tolerance: f64) {
+        let centroid = (g - 1.0) / k;
+        let variance = (h - 2.0 * g + 1.0) / (k * k) - centroid * centroid;
+        // What the calculus itself loses to cancellation at small k
+        let tolerance = tolerance.max(1e-15 / (k * k * k));
+        assert!((mean - DVec2::new(centroid, 0.0)).length() < tolerance, "k = {k}: {mean} {centroid}");
+        let wanted = DMat2::from_diagonal(DVec2::new(variance, across));
+        assert!(covariance.abs_diff_eq(wanted, tolerance * 10.0), "k = {k}: {covariance} {wanted}");
+    }
+}
+
+#[test]
+fn moments_agree_with_brute_sampling() {
+    // Midpoints of n x n cells: 1/n^2, magnified by 1/(1 - k)^4 where the opening nearly meets the horizon
+    const N: u32 = 700;
+    for blades in [0, 3, 5, 9] {
+        let shape = ApertureShape::polygon(blades, 0.4).unwrap_or_default();
+        for k in [-0.6, 0.0, 0.3] {
+            for reading in [Reading::Gather, Reading::Scatter] {
+                let footprint = Footprint::new(&leaning(k, shape), reading, DVec2::new(0.1, -0.2), 0.7);
+                let (mut mean, mut square) = (DVec2::ZERO, DMat2::ZERO);
+                for i in 0..N * N {
+                    let u = (DVec2::new(f64::from(i % N), f64::from(i / N)) + 0.5) / f64::from(N);
+                    let offset = footprint.offset(shape.sample(u)).unwrap();
+                    mean += offset / f64::from(N * N);
+                    square += DMat2::from_cols(offset * offset.x, offset * offset.y) * f64::from(N * N).recip();
+                }
+                let moments = footprint.moments().unwrap();
+                let covariance = square - DMat2::from_cols(mean * mean.x, mean * mean.y);
+                let size = footprint.disc_radius();
+                assert!((moments.centroid - mean).length() < 1e-4 * size, "{shape:?} {k} {reading:?}");
+                assert!(moments.covariance.abs_diff_eq(covariance, 1e-4 * size * size), "{shape:?} {k} {reading:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_disc_footprint_without_lean_has_the_variance_of_a_disc() {
+    let footprint = Footprint::new(&leaning(0.0, ApertureShape::Disc), Reading::Gather, DVec2::ZERO, 2.0);
+    let (mean, covariance) = unit_moments(&footprint);
+    assert_eq!(mean, DVec2::ZERO);
+    assert!(covariance.abs_diff_eq(DMat2::IDENTITY * 0.25, 1e-15));
+}
+
+#[test]
+fn an_opening_that_meets_the_horizon_has_no_bounds_and_no_moments() {
+    for shape in [ApertureShape::Disc, ApertureShape::polygon(4, 0.0).unwrap()] {
+        let footprint = Footprint::new(&leaning(1.01, shape), Reading::Gather, DVec2::ZERO, 0.0);
+        assert_eq!(footprint.moments(), None);
+        assert_eq!(footprint.offset(DVec2::X), None);
+        assert_eq!((footprint.support(DVec2::NEG_X), footprint.skew()), (f64::INFINITY, f64::INFINITY));
+    }
+}
+
+/// The largest value over the outline of an opening: over all corners, or 720 points of the circle.
+fn farthest(shape: ApertureShape, between: impl Fn(DVec2) -> f64) -> f64 {
+    let corners: Vec<DVec2> = match shape {
+        ApertureShape::Disc => (0..720).map(|i| DVec2::from_angle(f64::from(i).to_radians() / 2.0)).collect(),
+        ApertureShape::Polygon { .. } => shape.corners().collect(),
+    };
+    corners.into_iter().map(between).fold(0.0, f64::max)
+}
+
+#[test]
+fn gathering_knows_a_hundredth_of_a_pixel_of_skew_where_scattering_knows_several() -> Result<(), OpticsError> {
+    // 50 mm f/1.4 tilted by 8 degrees on a 36 mm sensor 1280 pixels wide, focused at 13 m on the axis; r = 58 px
+    let lens = ThinLens::new(0.05, 1.4, 0.05)?.tilted(8f64.to_radians(), 0.0)?.focused_at(DVec2::ZERO, 13.2)?;
+    let film = lens.film([0.036, 0.024], 1280, 853)?;
+    let camera = lens.camera(Pose::IDENTITY, film, lens.iris(ApertureShape::Disc))?;
+    let inverse_depth = 1.0 / 13.2 + 58.0 / (lens.aperture_radius() * film.pixels_per_q().x);
+    assert!((camera.coc_radius_px(DVec2::ZERO, inverse_depth) - 58.0).abs() < 0.01);
+
+    // The skew as the text gives it, as predicted, and as it is between the exact footprint and the ellipse
+    for (reading, printed, digit) in [(Reading::Gather, 0.011, 0.0005), (Reading::Scatter, 2.6, 0.05)] {
+        let footprint = Footprint::new(&camera, reading, DVec2::ZERO, inverse_depth).in_pixels(&film);
+        let to_first_order = 58.0 * footprint.lean().length();
+        assert!((to_first_order - printed).abs() < digit, "{reading:?}: {to_first_order}");
+        // Of the tilt's direction the ellipse is shorter by cos a, the prediction does not know that
+        let found =
+            farthest(ApertureShape::Disc, |u| (footprint.offset(u).unwrap() - footprint.ellipse_offset(u)).length());
+        assert!(found <= footprint.skew() && footprint.skew() < 1.02 * found, "{reading:?}: {found}");
+    }
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn skew_and_foreshortening_follow_the_closed_forms(
+        (lens, camera) in lens_camera(), place in unit_square(), inverse_depth in 0.0..3.0f64,
+    ) {
+        let at = q_at(&camera.film, place);
+        let (radius, sin) = (camera.iris.radius(), lens.total_tilt().sin());
+        let w = camera.focus.inverse_depth(at);
+        let gather = Footprint::new(&camera, Reading::Gather, at, inverse_depth);
+        prop_assert!((gather.lean().length() - radius * sin * w.abs()).abs() < 1e-12);
+        let scatter = Footprint::new(&camera, Reading::Scatter, at, inverse_depth);
+        let beyond = 1.0 / lens.image_distance() - (inverse_depth - w);
+        prop_assert!((scatter.lean().length() - radius * sin * beyond.abs()).abs() < 1e-12);
+        // The upright iris scatters with R |w_xy|
+        let upright = Camera { iris: lens.upright_iris(camera.iris.shape()), ..camera };
+        let scatter = Footprint::new(&upright, Reading::Scatter, at, inverse_depth);
+        prop_assert!((scatter.lean().length() - radius * camera.focus.w().truncate().length()).abs() < 1e-12);
+        // det A(q) = m . (q, 1), and a disc departs by at most r (|q| sin a + 1 - cos a)
+        let size = gather.disc_radius();
+        let area = camera.iris.normal().dot(at.extend(1.0));
+        prop_assert!((gather.spread().determinant() - size * size * area).abs() < 1e-12 * (1.0 + size * size));
+        let disc = Camera { iris: lens.iris(ApertureShape::Disc), ..camera };
+        let foreshortening = Footprint::new(&disc, Reading::Gather, at, inverse_depth).foreshortening();
+        let bound = size * (at.length() * sin + 1.0 - lens.total_tilt().cos());
+        prop_assert!(foreshortening <= bound + 1e-12, "{foreshortening} {bound}");
+    }
+
+    #[test]
+    fn predicted_departures_bound_the_true_ones(
+        camera in raw_camera(), place in unit_square(), inverse_depth in 0.0..3.0f64, scatter in any::<bool>(),
+    ) {
+        let reading = if scatter { Reading::Scatter } else { Reading::Gather };
+        let at = q_at(&camera.film, place);
+        let footprint = Footprint::new(&camera, reading, at, inverse_depth).in_pixels(&camera.film);
+        let shape = camera.iris.shape();
+        let (foreshortening, skew) = (footprint.foreshortening(), footprint.skew());
+        let skewed = farthest(shape, |u| {
+            (footprint.offset(u).unwrap() - footprint.ellipse_offset(u)).length()
+        });
+        prop_assert!(skewed <= skew * (1.0 + 1e-9));
+        // For a disc the turn within the iris does not show: compare outlines by their reach in each direction
+        let reach = |map: &dyn Fn(DVec2) -> DVec2, direction: DVec2| {
+            (0..2880).map(|i| map(DVec2::from_angle(f64::from(i) / 2880.0 * std::f64::consts::TAU)).dot(direction)).fold(0.0, f64::max)
+        };
+        let departed = match shape {
+            ApertureShape::Disc => (0..24).map(|i| DVec2::from_angle(f64::from(i) * std::f64::consts::TAU / 24.0)).map(|direction| {
+                let ellipse = reach(&|u| footprint.ellipse_offset(u), direction);
+                (ellipse - reach(&|u| footprint.disc_offset(u), direction)).abs()
+            }).fold(0.0, f64::max),
+            ApertureShape::Polygon { .. } => farthest(shape, |u| {
+                (footprint.ellipse_offset(u) - footprint.disc_offset(u)).length()
+            }),
+        };
+        // 2880 directions find a reach to within 1e-6 of itself
+        prop_assert!(departed <= foreshortening + 4e-6 * footprint.disc_radius(), "{departed} {foreshortening}");
+        prop_assert!(departed >= 0.3 * foreshortening - 1e-6 * footprint.disc_radius(), "{departed} {foreshortening}");
+    }
+
+    #[test]
+    fn support_is_the_farthest_offset(
+        camera in raw_camera(), place in unit_square(), inverse_depth in 0.0..3.0f64, turn in 0.0..std::f64::consts::TAU,
+    ) {
+        let at = q_at(&camera.film, place);
+        let footprint = Footprint::new(&camera, Reading::Gather, at, inverse_depth).in_pixels(&camera.film);
+        let (shape, direction) = (camera.iris.shape(), DVec2::from_angle(turn));
+        let support = footprint.support(direction);
+        let found = farthest(shape, |u| footprint.offset(u).unwrap().dot(direction));
+        // 720 points find the farthest of a disc's outline to within 1 - cos(0.25 degrees), 1e-5
+        let size = footprint.disc_radius();
+        prop_assert!(found <= support + 1e-9 * size && support <= found + 2e-5 * size, "{found} {support}");
+    }
+
+    #[test]
+    fn the_margin_holds_every_traced_hit_and_is_not_too_wide(
+        (_, camera) in lens_camera(), place in unit_square(), u in unit_square(), near in 0.6..5.0f64, t in 0.0..1.0f64,
+    ) {
+        let depths = DepthRange::new(near, f64::INFINITY).unwrap();
+        let need = camera.overscan(&depths);
+        let q = q_at(&camera.film, place);
+        let ray = camera.ray(q, DVec2::from_array(u), 0.0).unwrap();
+        let p = camera.seen_through(q, t / near, ray.origin).unwrap();
+        let pixel = camera.film.pixel_from_q(p);
+        let slack = 1.001;
+        prop_assert!(pixel.x >= -slack * need.left - 1e-9 && pixel.y >= -slack * need.top - 1e-9);
+        prop_assert!(pixel.x <= 640.0 + slack * need.right + 1e-9 && pixel.y <= 427.0 + slack * need.bottom + 1e-9);
+        // No side needs more than the largest exact blur, nor all of them less than a tenth of it
+        let largest = camera.largest_coc_radius_px(&depths);
+        let most = need.left.max(need.right).max(need.top).max(need.bottom);
+        prop_assert!(most <= 1.5 * largest, "{need:?} {largest}");
+        prop_assert!(most >= 0.1 * largest, "{need:?} {largest}");
+    }
+}
+
+#[test]
+fn the_margin_of_an_untilted_lens_is_its_largest_blur() -> Result<(), OpticsError> {
+    let lens = ThinLens::new(0.05, 2.0, 0.05)?.focused_at(DVec2::ZERO, 2.0)?;
+    let film = lens.film([0.036, 0.024], 640, 427)?;
+    let camera = lens.camera(Pose::IDENTITY, film, lens.iris(ApertureShape::Disc))?;
+    // The sky blurs to R s/2, a surface at 1.5 m to a third of that; rows are a little finer than columns
+    let depths = DepthRange::new(1.5, 10.0)?.with_sky();
+    let blur = 0.0125 * film.pixels_per_q() / 2.0;
+    assert!((camera.largest_coc_radius_px(&depths) - blur.max_element()).abs() < 1e-9);
+    let need = camera.overscan(&depths);
+    assert!((need.left - blur.x).abs() < 1e-9 && (need.right - blur.x).abs() < 1e-9, "{need:?} {blur}");
+    assert!((need.top - blur.y).abs() < 1e-9 && (need.bottom - blur.y).abs() < 1e-9, "{need:?} {blur}");
+    assert_eq!(need.columns(1000), blur.x.ceil() as u32);
+    // The cap holds, and a pinhole needs nothing
+    assert_eq!((need.columns(3), need.rows(0)), (3, 0));
+    let none = camera.pinhole().overscan(&depths);
+    assert_eq!((none.columns(9), none.rows(9)), (0, 0));
+    Ok(())
+}
+
+#[test]
+fn the_cheapest_kernel_within_the_tolerance_is_chosen() -> Result<(), OpticsError> {
+    let lens = ThinLens::new(0.05, 1.4, 0.05)?.tilted(8f64.to_radians(), 0.0)?.focused_at(DVec2::ZERO, 13.2)?;
+    let film = lens.film([0.036, 0.024], 1280, 853)?;
+    let tilted = lens.camera(Pose::IDENTITY, film, lens.iris(ApertureShape::Disc))?;
+    let upright = Camera { iris: lens.upright_iris(ApertureShape::Disc), ..tilted };
+    let depths = DepthRange::new(0.6, f64::INFINITY)?;
+    let choose = |camera, reading, tolerance| KernelModel::choose(camera, reading, &depths, tolerance);
+
+    // Upright: a disc for nothing
+    let choice = choose(&upright, Reading::Gather, KernelModel::DEFAULT_TOLERANCE_PX);
+    assert_eq!((choice.model, choice.ellipse_error_px), (KernelModel::Disc, 0.0));
+    assert!(choice.disc_error_px < 1e-12, "{choice:?}");
+    assert!(choice.to_string().starts_with("disc kernel: its predicted error, 0.000 px, is within"), "{choice}");
+    // Tilted: an ellipse when gathered, the exact form when scattered, a disc if one does not mind
+    let choice = choose(&tilted, Reading::Gather, 0.5);
+    assert_eq!(choice.model, KernelModel::Ellipse, "{choice}");
+    assert!(choice.to_string().contains("a disc would be off by"), "{choice}");
+    let choice = choose(&tilted, Reading::Scatter, 0.5);
+    assert_eq!(choice.model, KernelModel::Exact, "{choice}");
+    assert!(choice.to_string().contains("and an ellipse by"), "{choice}");
+    assert_eq!(choose(&tilted, Reading::Gather, 30.0).model, KernelModel::Disc);
+    assert!(KernelModel::Disc < KernelModel::Exact && KernelModel::Exact.to_string() == "exact");
+    Ok(())
+}
+
+#[test]
+fn a_clipped_vanishing_line_ends_on_the_border() -> Result<(), OpticsError> {
+    let film = Film::from_fov(0.9, 640, 360)?;
+    let inside = Focus::new(DVec3::new(1.0, 2.0, 0.1))?.vanishing_line().unwrap();
+    for q in inside.clipped(&film).unwrap() {
+        let edge = ((q - film.min()).abs().min_element()).min((film.max() - q).abs().min_element());
+        assert!(edge < 1e-12, "{q}");
+        assert!((q.x + 2.0 * q.y + 0.1).abs() < 1e-12, "{q}");
+    }
+    let level = Focus::new(DVec3::new(0.0, 2.0, 0.1))?.vanishing_line().unwrap();
+    let ends = level.clipped(&film).unwrap();
+    assert_eq!((ends[0].y, ends[1].y), (-0.05, -0.05));
+    let above = Focus::new(DVec3::new(0.0, 1.0, -2.0))?;
+    assert_eq!(above.vanishing_line().unwrap().clipped(&film), None);
+    let [least, most] = above.inverse_depth_range(&film);
+    assert!((least + 2.0 - film.min().y).abs() < 1e-12 && (most + 2.0 - film.max().y).abs() < 1e-12);
+    Ok(())
+}
