@@ -27,6 +27,15 @@
 //!
 //! The plane of sharp focus is `w . P = 1`. Everything in this crate follows from that one vector; see [`Focus`].
 //!
+//! # Where to find what
+//!
+//! A [`Camera`] holds what rays need and nothing derived. To say what it should be, begin with a [`ThinLens`] (focal
+//! length, f-number, tilt, swing, shift), or with the wanted plane ([`Focus`]: three picked pixels, a plane of the world,
+//! [`Nakane`]'s angle and distance) and ask for the lens that does it ([`ThinLens::at_image_distance`],
+//! [`ThinLens::of_focal_length`]). To read what a camera is, ask it for its [`ThinLens`], its hinge and vanishing line,
+//! its [`Wedge`] of depth of field. Where a point lands in the picture, exactly or nearly, is a [`Footprint`]; the
+//! cheapest model of it that will do is a [`KernelChoice`], the margin that it needs an [`Overscan`].
+//!
 //! All lengths in a [`Camera`] are in one unit, the scene's; [`ThinLens`] is in metres or any other one unit.
 
 mod camera;

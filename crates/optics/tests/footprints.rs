@@ -1,11 +1,9 @@
-//! The footprint: exact moments and bounds, predicted departures from a disc, the choice of a kernel, the margin.
+//! The footprint: exact moments and bounds, and predicted departures from a disc.
 
 mod random_lens;
 
 use glam::{DMat2, DVec2, DVec3};
-use optics::{
-    ApertureShape, Camera, DepthRange, Film, Focus, Footprint, Iris, KernelModel, OpticsError, Pose, Reading, ThinLens,
-};
+use optics::{ApertureShape, Camera, Film, Focus, Footprint, Iris, OpticsError, Pose, Reading, ThinLens};
 use proptest::prelude::*;
 use random_lens::{lens_camera, q_at, raw_camera, unit_square};
 
@@ -205,89 +203,4 @@ proptest! {
         let size = footprint.disc_radius();
         prop_assert!(found <= support + 1e-9 * size && support <= found + 2e-5 * size, "{found} {support}");
     }
-
-    #[test]
-    fn the_margin_holds_every_traced_hit_and_is_not_too_wide(
-        (_, camera) in lens_camera(), place in unit_square(), u in unit_square(), near in 0.6..5.0f64, t in 0.0..1.0f64,
-    ) {
-        let depths = DepthRange::new(near, f64::INFINITY).unwrap();
-        let need = camera.overscan(&depths);
-        let q = q_at(&camera.film, place);
-        let ray = camera.ray(q, DVec2::from_array(u), 0.0).unwrap();
-        let p = camera.seen_through(q, t / near, ray.origin).unwrap();
-        let pixel = camera.film.pixel_from_q(p);
-        let slack = 1.001;
-        prop_assert!(pixel.x >= -slack * need.left - 1e-9 && pixel.y >= -slack * need.top - 1e-9);
-        prop_assert!(pixel.x <= 640.0 + slack * need.right + 1e-9 && pixel.y <= 427.0 + slack * need.bottom + 1e-9);
-        // No side needs more than the largest exact blur, nor all of them less than a tenth of it
-        let largest = camera.largest_coc_radius_px(&depths);
-        let most = need.left.max(need.right).max(need.top).max(need.bottom);
-        prop_assert!(most <= 1.5 * largest, "{need:?} {largest}");
-        prop_assert!(most >= 0.1 * largest, "{need:?} {largest}");
-    }
-}
-
-#[test]
-fn the_margin_of_an_untilted_lens_is_its_largest_blur() -> Result<(), OpticsError> {
-    let lens = ThinLens::new(0.05, 2.0, 0.05)?.focused_at(DVec2::ZERO, 2.0)?;
-    let film = lens.film([0.036, 0.024], 640, 427)?;
-    let camera = lens.camera(Pose::IDENTITY, film, lens.iris(ApertureShape::Disc))?;
-    // The sky blurs to R s/2, a surface at 1.5 m to a third of that; rows are a little finer than columns
-    let depths = DepthRange::new(1.5, 10.0)?.with_sky();
-    let blur = 0.0125 * film.pixels_per_q() / 2.0;
-    assert!((camera.largest_coc_radius_px(&depths) - blur.max_element()).abs() < 1e-9);
-    let need = camera.overscan(&depths);
-    assert!((need.left - blur.x).abs() < 1e-9 && (need.right - blur.x).abs() < 1e-9, "{need:?} {blur}");
-    assert!((need.top - blur.y).abs() < 1e-9 && (need.bottom - blur.y).abs() < 1e-9, "{need:?} {blur}");
-    assert_eq!(need.columns(1000), blur.x.ceil() as u32);
-    // The cap holds, and a pinhole needs nothing
-    assert_eq!((need.columns(3), need.rows(0)), (3, 0));
-    let none = camera.pinhole().overscan(&depths);
-    assert_eq!((none.columns(9), none.rows(9)), (0, 0));
-    Ok(())
-}
-
-#[test]
-fn the_cheapest_kernel_within_the_tolerance_is_chosen() -> Result<(), OpticsError> {
-    let lens = ThinLens::new(0.05, 1.4, 0.05)?.tilted(8f64.to_radians(), 0.0)?.focused_at(DVec2::ZERO, 13.2)?;
-    let film = lens.film([0.036, 0.024], 1280, 853)?;
-    let tilted = lens.camera(Pose::IDENTITY, film, lens.iris(ApertureShape::Disc))?;
-    let upright = Camera { iris: lens.upright_iris(ApertureShape::Disc), ..tilted };
-    let depths = DepthRange::new(0.6, f64::INFINITY)?;
-    let choose = |camera, reading, tolerance| KernelModel::choose(camera, reading, &depths, tolerance);
-
-    // Upright: a disc for nothing
-    let choice = choose(&upright, Reading::Gather, KernelModel::DEFAULT_TOLERANCE_PX);
-    assert_eq!((choice.model, choice.ellipse_error_px), (KernelModel::Disc, 0.0));
-    assert!(choice.disc_error_px < 1e-12, "{choice:?}");
-    assert!(choice.to_string().starts_with("disc kernel: its predicted error, 0.000 px, is within"), "{choice}");
-    // Tilted: an ellipse when gathered, the exact form when scattered, a disc if one does not mind
-    let choice = choose(&tilted, Reading::Gather, 0.5);
-    assert_eq!(choice.model, KernelModel::Ellipse, "{choice}");
-    assert!(choice.to_string().contains("a disc would be off by"), "{choice}");
-    let choice = choose(&tilted, Reading::Scatter, 0.5);
-    assert_eq!(choice.model, KernelModel::Exact, "{choice}");
-    assert!(choice.to_string().contains("and an ellipse by"), "{choice}");
-    assert_eq!(choose(&tilted, Reading::Gather, 30.0).model, KernelModel::Disc);
-    assert!(KernelModel::Disc < KernelModel::Exact && KernelModel::Exact.to_string() == "exact");
-    Ok(())
-}
-
-#[test]
-fn a_clipped_vanishing_line_ends_on_the_border() -> Result<(), OpticsError> {
-    let film = Film::from_fov(0.9, 640, 360)?;
-    let inside = Focus::new(DVec3::new(1.0, 2.0, 0.1))?.vanishing_line().unwrap();
-    for q in inside.clipped(&film).unwrap() {
-        let edge = ((q - film.min()).abs().min_element()).min((film.max() - q).abs().min_element());
-        assert!(edge < 1e-12, "{q}");
-        assert!((q.x + 2.0 * q.y + 0.1).abs() < 1e-12, "{q}");
-    }
-    let level = Focus::new(DVec3::new(0.0, 2.0, 0.1))?.vanishing_line().unwrap();
-    let ends = level.clipped(&film).unwrap();
-    assert_eq!((ends[0].y, ends[1].y), (-0.05, -0.05));
-    let above = Focus::new(DVec3::new(0.0, 1.0, -2.0))?;
-    assert_eq!(above.vanishing_line().unwrap().clipped(&film), None);
-    let [least, most] = above.inverse_depth_range(&film);
-    assert!((least + 2.0 - film.min().y).abs() < 1e-12 && (most + 2.0 - film.max().y).abs() < 1e-12);
-    Ok(())
 }

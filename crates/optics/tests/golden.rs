@@ -1,7 +1,7 @@
 //! Known answers: a worked example, a published hinge chart, Merklinger's table, and Nakane et al.'s two scenes.
 
-use glam::DVec2;
-use optics::{Focus, Nakane, OpticsError, ThinLens};
+use glam::{DVec2, DVec3};
+use optics::{Film, Focus, Nakane, OpticsError, ThinLens};
 
 fn assert_near(found: f64, wanted: f64, tolerance: f64) {
     assert!((found - wanted).abs() <= tolerance, "{found} is not {wanted} +- {tolerance}");
@@ -118,5 +118,24 @@ fn positive_tilt_lays_the_plane_of_focus_along_the_floor() -> Result<(), OpticsE
     // Rise shows more of what is above
     let film = lens.shifted(DVec2::new(0.0, 0.01))?.film([0.036, 0.024], 360, 240)?;
     assert!(film.max().y > -film.min().y);
+    Ok(())
+}
+
+#[test]
+fn a_clipped_vanishing_line_ends_on_the_border() -> Result<(), OpticsError> {
+    let film = Film::from_fov(0.9, 640, 360)?;
+    let inside = Focus::new(DVec3::new(1.0, 2.0, 0.1))?.vanishing_line().unwrap();
+    for q in inside.clipped(&film).unwrap() {
+        let edge = ((q - film.min()).abs().min_element()).min((film.max() - q).abs().min_element());
+        assert!(edge < 1e-12, "{q}");
+        assert!((q.x + 2.0 * q.y + 0.1).abs() < 1e-12, "{q}");
+    }
+    let level = Focus::new(DVec3::new(0.0, 2.0, 0.1))?.vanishing_line().unwrap();
+    let ends = level.clipped(&film).unwrap();
+    assert_eq!((ends[0].y, ends[1].y), (-0.05, -0.05));
+    let above = Focus::new(DVec3::new(0.0, 1.0, -2.0))?;
+    assert_eq!(above.vanishing_line().unwrap().clipped(&film), None);
+    let [least, most] = above.inverse_depth_range(&film);
+    assert!((least + 2.0 - film.min().y).abs() < 1e-12 && (most + 2.0 - film.max().y).abs() < 1e-12);
     Ok(())
 }
