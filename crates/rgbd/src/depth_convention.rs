@@ -56,8 +56,7 @@ pub(crate) fn planar_depth(
             DepthConvention::Inverse if *z == 0.0 => f32::INFINITY,
             DepthConvention::Inverse => 1.0 / *z,
         };
-        // NaN fails this too
-        if !(*z > 0.0) {
+        if *z <= 0.0 {
             *z = f32::NAN;
         }
     }

@@ -15,7 +15,7 @@ use exr::meta::attribute::SampleType;
 use rayon::prelude::*;
 
 use crate::survey::ChannelIndex;
-use crate::{PixelWindow, Plane, ReadError, Survey};
+use crate::{PixelWindow, Plane, ReadError, SampleKind, Survey};
 
 /// A file whose header claims nothing absurd.
 pub(crate) struct ExrFile {
@@ -77,34 +77,44 @@ impl ExrFile {
         self.survey.parts[at.part].window
     }
 
+    /// How a channel stores a number.
+    pub(crate) fn kind(&self, at: ChannelIndex) -> SampleKind {
+        self.survey.parts[at.part].channels[at.channel].kind
+    }
+
     /// The pixels of these channels, each in the window of its part, in the order asked for.
     ///
     /// Half and uint become f32. A file that ends early or packs nonsense is an error.
     pub(crate) fn planes(&self, wanted: &[ChannelIndex]) -> Result<Vec<Plane>, ReadError> {
-        self.refuse_unreadable(wanted)?;
+        self.refuse_deep()?;
+        self.refuse_subsampled(wanted)?;
         let mut planes: BTreeMap<(usize, usize), Plane> =
             wanted.iter().map(|at| ((at.part, at.channel), Plane::filled(self.window(*at), 0.0))).collect();
         guarded(&self.path, || self.fill(&mut planes))?;
-        Ok(wanted.iter().map(|at| planes[&(at.part, at.channel)].clone()).collect())
+        // A channel may be asked for twice, as colour and as depth
+        let last = |i: usize| !wanted[i + 1..].contains(&wanted[i]);
+        let take = |(i, at): (usize, &ChannelIndex)| {
+            let key = (at.part, at.channel);
+            if last(i) { planes.remove(&key) } else { planes.get(&key).cloned() }
+        };
+        Ok(wanted.iter().enumerate().filter_map(take).collect())
     }
 
-    /// Refuses by name what valid files may hold and the decoder does not know.
-    fn refuse_unreadable(&self, wanted: &[ChannelIndex]) -> Result<(), ReadError> {
-        let unsupported = |what: String, remedy| Err(ReadError::Unsupported { path: self.path.clone(), what, remedy });
-        // The decoder reads no part of a file that has a deep one
-        if self.survey.parts.iter().any(|part| part.deep) {
-            return unsupported("deep data".into(), "flatten it to one sample a pixel");
+    /// Refuses deep files by name: the decoder reads no part of a file that has a deep one.
+    pub(crate) fn refuse_deep(&self) -> Result<(), ReadError> {
+        if !self.survey.parts.iter().any(|part| part.deep) {
+            return Ok(());
         }
-        for &at in wanted {
-            let part = &self.survey.parts[at.part];
-            if let Some(channel) = part.channels.iter().find(|channel| channel.subsampled) {
-                return unsupported(
-                    format!("subsampled channels ({})", channel.name),
-                    "write it with full-size R, G and B",
-                );
-            }
-        }
-        Ok(())
+        let (what, remedy) = ("deep data".into(), "flatten it to one sample a pixel");
+        Err(ReadError::Unsupported { path: self.path.clone(), what, remedy })
+    }
+
+    /// Refuses by name parts with subsampled channels, which the decoder does not know.
+    fn refuse_subsampled(&self, wanted: &[ChannelIndex]) -> Result<(), ReadError> {
+        let mut channels = wanted.iter().flat_map(|at| &self.survey.parts[at.part].channels);
+        let Some(channel) = channels.find(|channel| channel.subsampled) else { return Ok(()) };
+        let what = format!("subsampled channels ({})", channel.name);
+        Err(ReadError::Unsupported { path: self.path.clone(), what, remedy: "write all channels in full size" })
     }
 
     /// Decodes the chunks of the wanted parts, a batch at a time on all threads, and copies the wanted lines.

@@ -4,11 +4,16 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::attributes::{file_kind, head, lens_attributes, notes};
+use crate::choose::choose;
+use crate::convert;
 use crate::encode_exr::FileKind;
 use crate::exr_file::ExrFile;
 use crate::survey::ChannelIndex;
 use crate::write::{half_prefix, layer_prefix};
-use crate::{Choice, Frame, Head, Layer, LensAttributes, Notes, Picture, Plane, ReadError, ReadOptions, Survey, Truth};
+use crate::{
+    Choice, DepthConvention, Frame, Head, Layer, LensAttributes, Notes, Picture, Plane, ReadError, ReadOptions, Survey,
+    Truth,
+};
 
 /// What was read, and all that the file says besides.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,8 +40,14 @@ pub fn read_frame(path: &Path, options: &ReadOptions) -> Result<Loaded<Frame>, R
     let file = ExrFile::open(path, options.max_pixels)?;
     let head = head(path, file.meta())?;
     match file_kind(path, file.meta())? {
-        Some(FileKind::Frame { layers }) => own_frame(&file, head, layers),
-        _ => Err(ReadError::NoDepth { path: path.into(), available: file.survey().channel_names() }),
+        Some(FileKind::Frame { layers }) if !overridden(options) => own_frame(&file, head, layers),
+        _ => {
+            file.refuse_deep()?;
+            let plan = choose(path, file.survey(), options, true)?;
+            let head = Head { metres_per_unit: head.metres_per_unit.or(options.metres_per_unit), ..head };
+            let frame = convert::frame_from(&file, &plan, &head, options)?;
+            Ok(loaded(&file, frame, head, plan.choice))
+        }
     }
 }
 
@@ -44,14 +55,10 @@ pub fn read_frame(path: &Path, options: &ReadOptions) -> Result<Loaded<Frame>, R
 pub fn read_picture(path: &Path, options: &ReadOptions) -> Result<Loaded<Picture>, ReadError> {
     let file = ExrFile::open(path, options.max_pixels)?;
     let head = head(path, file.meta())?;
-    match file_kind(path, file.meta())? {
-        Some(_) => {
-            let picture = picture_from(file.planes(&own_color(&file, "")?)?);
-            let choice = own_choice(&["R", "G", "B", "A"], None);
-            Ok(loaded(&file, picture, head, choice))
-        }
-        None => Err(ReadError::NoColor { path: path.into(), available: file.survey().channel_names() }),
-    }
+    file.refuse_deep()?;
+    let plan = choose(path, file.survey(), options, false)?;
+    let picture = convert::picture_from(&file, &plan)?;
+    Ok(loaded(&file, picture, head, plan.choice))
 }
 
 /// Reads a truth of ours: its halves bit for bit.
@@ -72,6 +79,14 @@ pub fn read_truth(path: &Path, max_pixels: u64) -> Result<Loaded<Truth>, ReadErr
         None => "a picture of another program",
     };
     Err(ReadError::WrongKind { path: path.into(), found, wanted: "a traced truth with its two halves" })
+}
+
+/// Whether the options ask for something else than what a file of ours says of itself.
+fn overridden(options: &ReadOptions) -> bool {
+    options.color.is_some()
+        || options.depth.is_some()
+        || options.view.is_some()
+        || options.convention != DepthConvention::Planar
 }
 
 /// A frame as `write_frame` wrote it.
