@@ -7,11 +7,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use exr::block::UncompressedBlock;
-use exr::block::chunk::Chunk;
+use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::block::reader::ChunksReader;
 use exr::math::Vec2;
 use exr::meta::MetaData;
-use exr::meta::attribute::SampleType;
+use exr::meta::attribute::{Compression, SampleType};
 use rayon::prelude::*;
 
 use crate::survey::ChannelIndex;
@@ -132,13 +132,46 @@ impl ExrFile {
             let meta = chunks.meta_data();
             let blocks: Vec<_> = batch
                 .into_par_iter()
-                .map(|chunk| UncompressedBlock::decompress_chunk(chunk, meta, false))
+                .map(|chunk| {
+                    check_dwa_sizes(&chunk, meta)?;
+                    UncompressedBlock::decompress_chunk(chunk, meta, false)
+                })
                 .collect::<exr::error::Result<_>>()?;
             for block in &blocks {
                 copy_lines(block, meta, planes);
             }
         }
     }
+}
+
+/// Refuses a DWA chunk that claims to unpack to far more than its pixels.
+///
+/// The decoder (exr 1.74) allocates what the chunk's first eleven u64 claim, and one changed bit there can be 2^53 bytes.
+fn check_dwa_sizes(chunk: &Chunk, meta: &MetaData) -> exr::error::UnitResult {
+    let Some(header) = meta.headers.get(chunk.layer_index) else { return Ok(()) };
+    if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        return Ok(());
+    }
+    let bytes = match &chunk.compressed_block {
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        _ => return Ok(()),
+    };
+    // A chunk that would not shrink is stored as it is, without sizes
+    let place = header.get_absolute_block_pixel_coordinates(header.get_block_data_indices(&chunk.compressed_block)?)?;
+    if bytes.len() == place.size.area() * header.channels.bytes_per_pixel {
+        return Ok(());
+    }
+    // Blocks of 8 x 8 may stand out at two sides, and halves become floats
+    let most = 4 * (place.size.width() + 8) * (place.size.height() + 8) * header.channels.bytes_per_pixel;
+    let sizes = bytes.chunks_exact(8).take(10).skip(1).map(|size| {
+        let size: [u8; 8] = size.try_into().unwrap_or_default();
+        u64::from_le_bytes(size)
+    });
+    if sizes.max().is_some_and(|size| size > most as u64) {
+        return Err(exr::error::Error::Invalid("sizes in a DWA chunk".into()));
+    }
+    Ok(())
 }
 
 /// Copies the lines of the wanted channels out of a block.
