@@ -1,1 +1,29 @@
-//! Depth of field as a post-process: RGB-D frame and camera to defocused picture.
+//! Depth of field as a post-process: an RGB-D [`Frame`](rgbd::Frame) and a camera become the picture that the camera's
+//! tilted, swung, shifted lens would have taken.
+//!
+//! The methods form a ladder from cheap to true, all behind [`Method`] and called through [`apply`]:
+//!
+//! | rung | method | what it does |
+//! | --- | --- | --- |
+//! | 0 | [`Method::Pinhole`] | nothing: the unfiltered picture, which every figure stands beside |
+//! | 1 | [`Method::OwnCoc`] | every pixel averages its own circle of confusion; no occlusion |
+//! | 2 | [`Method::Gather`] | every neighbour whose footprint covers the pixel contributes, nearest first |
+//!
+//! The blur of a neighbour is read as a *gather*: with the focus w(q) of the receiving pixel, where an upright iris gives
+//! an exact uniform disc of radius `R s |1/z - w(q)|` pixels, however much the plane of focus tilts.
+
+mod apply;
+mod cells;
+mod disc_table;
+mod error;
+mod gather;
+mod lens_map;
+mod own_coc;
+mod surface;
+mod view;
+
+pub use apply::{Filtered, Method, apply, coc_radius_px, reach_px};
+pub use error::FilterError;
+pub use gather::GatherSettings;
+pub use lens_map::KernelRule;
+pub use view::FrameView;

@@ -1,0 +1,230 @@
+//! The one door to all methods.
+
+use glam::DVec2;
+use optics::{Camera, DepthRange, KernelChoice, KernelModel, Reading};
+use rgbd::{Picture, PixelWindow, Plane, Progress};
+
+use crate::{
+    FilterError, FrameView, GatherSettings, KernelRule,
+    gather::gather,
+    own_coc::own_coc,
+    surface::{HOLE_REACH, pixel_q},
+};
+
+/// A rung of the ladder of methods.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// No blur at all: the first layer as it is.
+    Pinhole,
+    /// Every pixel averages its own circle of confusion.
+    OwnCoc(GatherSettings),
+    /// Every neighbour whose footprint covers the pixel contributes, nearest first.
+    Gather(GatherSettings),
+}
+
+impl Default for Method {
+    /// The gather with its default settings.
+    fn default() -> Self {
+        Self::Gather(GatherSettings::default())
+    }
+}
+
+impl Method {
+    /// Its name on the command line and in reports.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Pinhole => "pinhole",
+            Self::OwnCoc(_) => "own-coc",
+            Self::Gather(_) => "gather",
+        }
+    }
+
+    fn settings(&self) -> Option<&GatherSettings> {
+        match self {
+            Self::Pinhole => None,
+            Self::OwnCoc(settings) | Self::Gather(settings) => Some(settings),
+        }
+    }
+}
+
+/// What a method made, and what it chose on the way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filtered {
+    /// The picture of the window that was asked for.
+    pub picture: Picture,
+    /// The kernel that ran.
+    pub kernel: KernelModel,
+    /// Why; `None` where it was forced or nothing blurs.
+    pub kernel_choice: Option<KernelChoice>,
+    /// Largest radius of the circle of confusion in pixels over the window, before any limit.
+    pub largest_radius_px: f32,
+    /// The limit that cut it, in pixels, if it did.
+    pub cut_to_px: Option<f32>,
+}
+
+/// Puts the lens of `camera` onto the frame and returns the pixels of `window`.
+///
+/// The camera's film must be the frame's display window. Only pixels inside the view are read: for the same bits as from
+/// the whole frame, the view must reach [`reach_px`] pixels beyond `window` (or to the end of the data). Pixels of
+/// `window` without data receive what blurs onto them, else nothing (alpha 0). The result is the same for any number of
+/// threads and any cut into windows.
+///
+/// ```
+/// use glam::{DVec2, DVec3};
+/// use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
+/// use rgbd::{Frame, Layer, Picture, PixelWindow, Plane, Silent};
+///
+/// // A white card at 2 m before a dark wall at 4 m
+/// let window = PixelWindow::of_size(64, 36);
+/// let on_card = |x: i32| x < 32;
+/// let color = Picture::from_fn(window, |x, _| if on_card(x) { [0.9, 0.9, 0.9, 1.0] } else { [0.1, 0.1, 0.1, 1.0] });
+/// let depth = Plane::from_fn(window, |x, _| if on_card(x) { 2.0 } else { 4.0 });
+/// let frame = Frame::new(window, vec![Layer::from_raw_depth(color, depth)])?;
+///
+/// // A lens of 20 mm radius, focused on the wall through a plane tilted by w.y
+/// let camera = Camera {
+///     pose: Pose::IDENTITY,
+///     film: Film::from_fov(0.7, 64, 36)?,
+///     focus: Focus::new(DVec3::new(0.0, 0.05, 0.25))?,
+///     iris: Iris::upright(0.02, ApertureShape::Disc)?,
+/// };
+/// let view = filter::FrameView::whole(&frame);
+/// let filtered = filter::apply(&view, &camera, &filter::Method::default(), window, &Silent)?;
+///
+/// // The silhouette of the card, out of focus, is no longer a step
+/// let [left, right] = [30, 33].map(|x| filtered.picture.at(x, 18)[0]);
+/// assert!(left < 0.9 && right > 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn apply(
+    view: &FrameView,
+    camera: &Camera,
+    method: &Method,
+    window: PixelWindow,
+    progress: &dyn Progress,
+) -> Result<Filtered, FilterError> {
+    check(view, camera, method, window)?;
+    let Some(settings) = method.settings() else { return Ok(unfiltered(view, window)) };
+
+    // Find out how large the blur gets, and how simple its shape may be
+    let (model, kernel_choice) = kernel(view, camera, settings.kernel);
+    let largest_radius_px = largest_radius_px(view, camera, window);
+    let limit = max_radius_px(view, settings);
+
+    let picture = match method {
+        Method::OwnCoc(_) => own_coc(view, camera, model, limit, window, progress)?,
+        _ => gather(view, camera, model, settings, limit, window, progress)?,
+    };
+    let cut_to_px = (largest_radius_px > limit).then_some(limit);
+    Ok(Filtered { picture, kernel: model, kernel_choice, largest_radius_px, cut_to_px })
+}
+
+/// How many pixels around a window a method may look at on this frame; finite for each method.
+#[must_use]
+pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
+    let Some(settings) = method.settings() else { return 0 };
+    let frame = view.frame();
+    let largest = largest_radius_px(view, camera, frame.display).min(max_radius_px(view, settings));
+    // An ellipse is at most as much wider than the disc as the window's corner is oblique; then ramp, slope and rounding
+    let oblique = camera.film.corners().iter().map(|q| q.extend(1.0).length()).fold(1.0, f64::max) as f32;
+    let holes = frame.layers().iter().any(|layer| layer.known.count() < layer.window().area());
+    (largest * 2.0 * oblique).ceil() as u32 + 4 + if holes { HOLE_REACH as u32 } else { 0 }
+}
+
+/// Signed radius of the circle of confusion in pixels of each pixel of the view, from the first layer's depth: positive on
+/// the lens's side of the plane of focus. Pixels of unknown depth are NaN.
+#[must_use]
+pub fn coc_radius_px(view: &FrameView, camera: &Camera) -> Plane {
+    let layer = &view.frame().layers()[0];
+    Plane::from_fn(view.window(), |x, y| {
+        if !layer.known.at(x, y) {
+            return f32::NAN;
+        }
+        camera.coc_radius_px(pixel_q(view, camera, x, y), 1.0 / f64::from(layer.depth.at(x, y))) as f32
+    })
+}
+
+fn check(view: &FrameView, camera: &Camera, method: &Method, window: PixelWindow) -> Result<(), FilterError> {
+    let display = view.frame().display;
+    let (film_width, film_height) = (camera.film.width(), camera.film.height());
+    if (film_width, film_height) != (display.width, display.height) {
+        return Err(FilterError::FilmMismatch { film_width, film_height, display });
+    }
+    if window.intersection(&view.window()).is_empty() {
+        return Err(FilterError::NoData { wanted: window, data: view.window() });
+    }
+    if let Some(GatherSettings { max_radius_px: Some(limit), .. }) = method.settings()
+        && !(*limit >= 0.0 && limit.is_finite())
+    {
+        let what = "largest blur radius in pixels";
+        return Err(FilterError::BadSetting { what, value: f64::from(*limit), wanted: "0 or positive" });
+    }
+    if let Some(GatherSettings { kernel: KernelRule::Auto { tolerance_px }, .. }) = method.settings()
+        && (tolerance_px.is_nan() || *tolerance_px <= 0.0)
+    {
+        let what = "tolerance of the kernel in pixels";
+        return Err(FilterError::BadSetting { what, value: *tolerance_px, wanted: "positive" });
+    }
+    Ok(())
+}
+
+/// The first layer itself.
+fn unfiltered(view: &FrameView, window: PixelWindow) -> Filtered {
+    let color = &view.frame().layers()[0].color;
+    let known = view.window();
+    let pixel = |x, y| if known.contains(x, y) { color.at(x, y) } else { [0.0; 4] };
+    Filtered {
+        picture: Picture::from_fn(window, pixel),
+        kernel: KernelModel::Disc,
+        kernel_choice: None,
+        largest_radius_px: 0.0,
+        cut_to_px: None,
+    }
+}
+
+fn kernel(view: &FrameView, camera: &Camera, rule: KernelRule) -> (KernelModel, Option<KernelChoice>) {
+    // Pixels that are not square make an ellipse of every disc
+    let px = camera.film.pixels_per_q();
+    let square = (px.x / px.y - 1.0).abs() < 1e-3;
+    match rule {
+        KernelRule::Forced(model) => (if square { model } else { model.max(KernelModel::Ellipse) }, None),
+        KernelRule::Auto { tolerance_px } => {
+            let Some(depths) = depth_range(view) else { return (KernelModel::Disc, None) };
+            let choice = KernelModel::choose(camera, Reading::Gather, &depths, tolerance_px);
+            (if square { choice.model } else { choice.model.max(KernelModel::Ellipse) }, Some(choice))
+        }
+    }
+}
+
+/// Nearest and farthest known depth of the whole frame.
+fn depth_range(view: &FrameView) -> Option<DepthRange> {
+    let known = view.frame().layers().iter().flat_map(|layer| {
+        let depths = layer.depth.values().iter().zip(layer.known.bits());
+        depths.filter(|&(_, &known)| known).map(|(&z, _)| z)
+    });
+    let (near, far) = known.fold((f32::INFINITY, 0.0_f32), |(near, far), z| (near.min(z), far.max(z)));
+    DepthRange::new(f64::from(near), f64::from(far)).ok()
+}
+
+/// Largest radius over a window, from the frame's range of depth.
+fn largest_radius_px(view: &FrameView, camera: &Camera, window: PixelWindow) -> f32 {
+    let inverse = depth_range(view).map_or([0.0, 0.0], |depths| depths.inverse());
+    let corners = [
+        (window.x, window.y),
+        (window.x_end(), window.y),
+        (window.x, window.y_end()),
+        (window.x_end(), window.y_end()),
+    ];
+    let display = view.frame().display;
+    let q = |(x, y): (i32, i32)| {
+        let from_display = DVec2::new(f64::from(x) - f64::from(display.x), f64::from(y) - f64::from(display.y));
+        camera.film.q_from_pixel(from_display)
+    };
+    let radii = corners.into_iter().flat_map(|corner| inverse.map(|s| camera.coc_radius_px(q(corner), s).abs()));
+    radii.fold(0.0, f64::max) as f32
+}
+
+fn max_radius_px(view: &FrameView, settings: &GatherSettings) -> f32 {
+    settings.max_radius_px.unwrap_or(0.25 * view.frame().display.width as f32)
+}

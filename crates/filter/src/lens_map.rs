@@ -1,0 +1,127 @@
+//! How a pixel's neighbours map onto the iris: equation (5) read as a gather.
+//!
+//! Pixel q sees a point at inverse depth s and pixel p through the iris point (a, b) iff
+//! `p - q = d A (a, b) / (1 - w R e_z.(a, b))` with `d = s - w(q)`, `A(q) = R [e1.xy - e1.z q, e2.xy - e2.z q]` and
+//! `e_z = (e1.z, e2.z)`. Solved for the iris point: with `y = A^-1 (p - q) / d`, `(a, b) = y / (1 + w R e_z.y)`.
+
+use glam::{DMat2, DVec2};
+use optics::{Camera, KernelModel};
+
+use crate::disc_table::Outline;
+
+/// How the shape of a pixel's footprint is chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum KernelRule {
+    /// The simplest whose predicted departure from the exact footprint stays below this many pixels.
+    Auto {
+        /// Largest departure in pixels, positive.
+        tolerance_px: f64,
+    },
+    /// Always this one.
+    Forced(KernelModel),
+}
+
+impl Default for KernelRule {
+    /// A quarter of a pixel.
+    fn default() -> Self {
+        Self::Auto { tolerance_px: KernelModel::DEFAULT_TOLERANCE_PX }
+    }
+}
+
+/// The lens as one pixel sees it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PixelLens {
+    /// Inverse depth of focus w(q).
+    pub(crate) focus: f32,
+    /// Pixels of blur radius per unit of defocus.
+    pub(crate) scale: f32,
+    /// Largest such radius in any direction.
+    pub(crate) widest: f32,
+    /// From a pixel offset (x right, y down) to iris coordinates scaled by the blur radius, row by row.
+    to_iris: [f32; 4],
+    /// w R e_z: the skew of the exact footprint.
+    skew: [f32; 2],
+}
+
+impl PixelLens {
+    /// The lens seen from chief-ray direction q.
+    pub(crate) fn new(camera: &Camera, model: KernelModel, q: DVec2) -> Self {
+        let (iris, px) = (&camera.iris, camera.film.pixels_per_q());
+        let focus = camera.focus.inverse_depth(q);
+        let radius = iris.radius();
+        if model == KernelModel::Disc {
+            let scale = radius * px.max_element();
+            let scale = scale as f32;
+            return Self { focus: focus as f32, scale, widest: scale, to_iris: [1.0, 0.0, 0.0, -1.0], skew: [0.0; 2] };
+        }
+
+        // Span the ellipse in pixels; y runs down there
+        let to_px = DVec2::new(px.x, -px.y) * radius;
+        let axis = |e: glam::DVec3| to_px * (e.truncate() - e.z * q);
+        let map = DMat2::from_cols(axis(iris.e1()), axis(iris.e2()));
+        let scale = map.determinant().abs().sqrt();
+        if scale == 0.0 {
+            return Self {
+                focus: focus as f32,
+                scale: 0.0,
+                widest: 0.0,
+                to_iris: [1.0, 0.0, 0.0, -1.0],
+                skew: [0.0; 2],
+            };
+        }
+        let inverse = map.inverse() * scale;
+        let frobenius = map.x_axis.length_squared() + map.y_axis.length_squared();
+        // Largest singular value of a 2x2 matrix from its norm and determinant
+        let widest = (0.5 * (frobenius + (frobenius * frobenius - 4.0 * scale.powi(4)).max(0.0).sqrt())).sqrt();
+
+        // An iris leaning through the plane of focus skews the disc
+        let skew = match model {
+            KernelModel::Exact => DVec2::new(iris.e1().z, iris.e2().z) * (focus * radius),
+            _ => DVec2::ZERO,
+        };
+        let stretch = 1.0 / (1.0 - skew.length()).max(0.5);
+        Self {
+            focus: focus as f32,
+            scale: scale as f32,
+            widest: (widest * stretch) as f32,
+            to_iris: [inverse.x_axis.x, inverse.y_axis.x, inverse.x_axis.y, inverse.y_axis.y].map(|v| v as f32),
+            skew: [skew.x as f32, skew.y as f32],
+        }
+    }
+}
+
+/// A footprint's outline around a pixel.
+pub(crate) trait Footprint: Sync {
+    /// How many pixels an offset (x right, y down) lies outside the outline of `edge` radius; negative inside.
+    ///
+    /// `defocus` is the neighbour's, in pixels of radius: its sign turns the iris upside down.
+    fn distance(&self, lens: &PixelLens, x: f32, y: f32, defocus: f32, edge: f32) -> f32;
+}
+
+/// A full disc: no skew, no tilt, no blades. The fast path of [`IrisFootprint`].
+pub(crate) struct RoundFootprint;
+
+impl Footprint for RoundFootprint {
+    #[inline(always)]
+    fn distance(&self, _lens: &PixelLens, x: f32, y: f32, _defocus: f32, edge: f32) -> f32 {
+        (x * x + y * y).sqrt() - edge
+    }
+}
+
+/// Any iris, tilted or not.
+pub(crate) struct IrisFootprint<'a>(pub(crate) &'a Outline);
+
+impl Footprint for IrisFootprint<'_> {
+    #[inline(always)]
+    fn distance(&self, lens: &PixelLens, x: f32, y: f32, defocus: f32, edge: f32) -> f32 {
+        let m = &lens.to_iris;
+        let (mut a, mut b) = (m[0] * x + m[1] * y, m[2] * x + m[3] * y);
+        // Undo the skew where the footprint is large enough to have a shape
+        if lens.skew != [0.0; 2] && defocus.abs() > 0.5 {
+            let factor = 1.0 / (1.0 + (lens.skew[0] * a + lens.skew[1] * b) / defocus).clamp(0.5, 2.0);
+            (a, b) = (a * factor, b * factor);
+        }
+        let sign = if defocus < 0.0 { -1.0 } else { 1.0 };
+        self.0.distance(sign * a, sign * b, edge)
+    }
+}

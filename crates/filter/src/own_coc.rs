@@ -1,0 +1,72 @@
+//! Rung 1: every pixel averages its own circle of confusion.
+//!
+//! What most real-time filters start from, and the measure of what occlusion is worth: a blurred background bleeds onto a
+//! sharp foreground, and a blurred foreground keeps a hard silhouette. Hidden layers are not looked at.
+
+use optics::{Camera, KernelModel};
+use rayon::prelude::*;
+use rgbd::{Cancelled, Picture, PixelWindow, Progress};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::{
+    FrameView,
+    disc_table::{DiscTable, ramp},
+    lens_map::{Footprint, IrisFootprint, PixelLens},
+    surface::{Surface, pixel_q},
+};
+
+/// Averages `window`; `max_radius` in pixels.
+pub(crate) fn own_coc(
+    view: &FrameView,
+    camera: &Camera,
+    model: KernelModel,
+    max_radius: f32,
+    window: PixelWindow,
+    progress: &dyn Progress,
+) -> Result<Picture, Cancelled> {
+    let surface = Surface::new(view, camera, 0);
+    let table = DiscTable::new(camera.iris.shape());
+    let footprint = IrisFootprint(table.outline());
+
+    // Average around one pixel
+    let pixel = |x: i32, y: i32| -> [f32; 4] {
+        if !surface.window.contains(x, y) {
+            return [0.0; 4];
+        }
+        let here = surface.window.index(x, y);
+        let lens = PixelLens::new(camera, model, pixel_q(view, camera, x, y));
+        let defocus = lens.scale * (surface.inverse_depth[here] - lens.focus);
+        let radius = defocus.abs().min(max_radius);
+        let (edge, _) = table.at(radius);
+        let reach = (radius * lens.widest / lens.scale.max(f32::MIN_POSITIVE) + 1.5) as u32;
+        let around = PixelWindow { x, y, width: 1, height: 1 }.grown(reach, reach).intersection(&surface.window);
+        let (mut sum, mut total) = ([0.0; 4], 0.0);
+        for (u, v) in around.pixels() {
+            let weight = ramp(footprint.distance(&lens, (u - x) as f32, (v - y) as f32, defocus, edge));
+            if weight > 0.0 {
+                total += weight;
+                let rgba = surface.rgba[surface.window.index(u, v)];
+                sum.iter_mut().zip(rgba).for_each(|(sum, c)| *sum += weight * c);
+            }
+        }
+        if total > 0.0 { sum.map(|c| c / total) } else { surface.rgba[here] }
+    };
+
+    let done = AtomicU64::new(0);
+    let rows: Vec<Vec<[f32; 4]>> = (window.y..window.y_end())
+        .into_par_iter()
+        .map(|y| {
+            if progress.is_cancelled() {
+                return Err(Cancelled);
+            }
+            let row = (window.x..window.x_end()).map(|x| pixel(x, y)).collect();
+            progress.report(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(window.height));
+            Ok(row)
+        })
+        .collect::<Result<_, _>>()?;
+    let mut picture = Picture::filled(window, [0.0; 4]);
+    for ((x, y), &rgba) in window.pixels().zip(rows.iter().flatten()) {
+        picture.set(x, y, rgba);
+    }
+    Ok(picture)
+}

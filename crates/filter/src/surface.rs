@@ -1,0 +1,127 @@
+//! A layer made ready to be gathered: inverse depth, slope and finite colour per pixel.
+
+use glam::DVec2;
+use optics::Camera;
+use rayon::prelude::*;
+use rgbd::{Layer, PixelWindow};
+
+use crate::FrameView;
+
+/// How far, in pixels, the depth of a hole is looked for; holes farther from any depth stay as sharp as they came.
+pub(crate) const HOLE_REACH: i32 = 32;
+
+/// Brightest value that is taken from a file: the largest half float. Infinities become it, NaN becomes 0.
+const BRIGHTEST: f32 = 65504.0;
+
+/// One layer of a view, pixel by pixel.
+pub(crate) struct Surface {
+    pub(crate) window: PixelWindow,
+    /// 1/z in 1 / scene units; 0 for the sky.
+    pub(crate) inverse_depth: Vec<f32>,
+    /// Change of inverse depth per pixel in x and y on the surface itself.
+    pub(crate) slope: Vec<[f32; 2]>,
+    /// Premultiplied colour.
+    pub(crate) rgba: Vec<[f32; 4]>,
+    /// How much of the pixel it fills: 1 in the first layer, alpha in hidden ones; 0 where there is nothing.
+    pub(crate) cover: Vec<f32>,
+}
+
+impl Surface {
+    /// Layer `index` of the view.
+    pub(crate) fn new(view: &FrameView, camera: &Camera, index: usize) -> Self {
+        let layer = &view.frame().layers()[index];
+        let window = view.window();
+        let pixels: Vec<(i32, i32)> = window.pixels().collect();
+        let rgba: Vec<[f32; 4]> = pixels.par_iter().map(|&(x, y)| layer.color.at(x, y).map(finite)).collect();
+
+        // The first layer always fills its pixel: its alpha is part of the colour. A hidden one fills what alpha says.
+        let cover: Vec<f32> = match index {
+            0 => vec![1.0; rgba.len()],
+            _ => pixels
+                .iter()
+                .zip(&rgba)
+                .map(|(&(x, y), c)| if layer.known.at(x, y) { c[3].clamp(0.0, 1.0) } else { 0.0 })
+                .collect(),
+        };
+
+        let fill = |(&(x, y), &cover): (&(i32, i32), &f32)| {
+            if cover > 0.0 { inverse_depth(view, camera, layer, x, y) } else { 0.0 }
+        };
+        let inverse_depth = pixels.par_iter().zip(&cover).map(fill).collect();
+        let mut surface = Self { window, inverse_depth, slope: Vec::new(), rgba, cover };
+        surface.slope = pixels.par_iter().map(|&(x, y)| surface.slope_at(x, y)).collect();
+        surface
+    }
+
+    /// The flatter of the two one-sided slopes on each axis: exact on a plane, and at an edge that of the side the pixel
+    /// lies on.
+    fn slope_at(&self, x: i32, y: i32) -> [f32; 2] {
+        let value = |x, y| {
+            let i = self.window.contains(x, y).then(|| self.window.index(x, y))?;
+            (self.cover[i] > 0.0).then_some(self.inverse_depth[i])
+        };
+        let Some(here) = value(x, y) else { return [0.0; 2] };
+        let axis = |dx: i32, dy: i32| match (value(x - dx, y - dy), value(x + dx, y + dy)) {
+            (Some(before), Some(after)) => flatter(here - before, after - here),
+            _ => 0.0,
+        };
+        [axis(1, 0), axis(0, 1)]
+    }
+}
+
+/// The one of smaller size, or 0 where they disagree in sign.
+fn flatter(a: f32, b: f32) -> f32 {
+    if a * b <= 0.0 {
+        0.0
+    } else if a.abs() < b.abs() {
+        a
+    } else {
+        b
+    }
+}
+
+fn finite(value: f32) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(-BRIGHTEST, BRIGHTEST) }
+}
+
+/// 1/z where the depth is known; in a hole that of the nearest known pixel (the farther one of equals), and where none is
+/// within reach the depth that keeps the pixel sharp.
+fn inverse_depth(view: &FrameView, camera: &Camera, layer: &Layer, x: i32, y: i32) -> f32 {
+    if layer.known.at(x, y) {
+        return 1.0 / layer.depth.at(x, y);
+    }
+    let window = view.window();
+    let mut nearest: Option<(i32, f32)> = None;
+    for ring in 1..=HOLE_REACH {
+        if nearest.is_some_and(|(squared, _)| squared <= ring * ring) {
+            break;
+        }
+        let mut look = |dx: i32, dy: i32| {
+            let (u, v) = (x + dx, y + dy);
+            if !window.contains(u, v) || !layer.known.at(u, v) {
+                return;
+            }
+            let found = (dx * dx + dy * dy, 1.0 / layer.depth.at(u, v));
+            if nearest.is_none_or(|best| found.0 < best.0 || (found.0 == best.0 && found.1 < best.1)) {
+                nearest = Some(found);
+            }
+        };
+        for k in -ring..=ring {
+            look(k, -ring);
+            look(k, ring);
+            look(-ring, k);
+            look(ring, k);
+        }
+    }
+    match nearest {
+        Some((_, inverse_depth)) => inverse_depth,
+        None => camera.focus.inverse_depth(pixel_q(view, camera, x, y)) as f32,
+    }
+}
+
+/// Chief-ray direction of a pixel's centre.
+pub(crate) fn pixel_q(view: &FrameView, camera: &Camera, x: i32, y: i32) -> DVec2 {
+    let display = view.frame().display;
+    let center = DVec2::new(f64::from(x) - f64::from(display.x) + 0.5, f64::from(y) - f64::from(display.y) + 0.5);
+    camera.film.q_from_pixel(center)
+}
