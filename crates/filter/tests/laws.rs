@@ -241,7 +241,6 @@ fn a_point_of_light_lands_where_equation_5_says() {
         }));
         let wanted_energy = wanted.energy / f64::from(FINE * FINE);
 
-        println!("{found:?}\n{wanted:?} {wanted_energy}");
         // A tenth of a pixel is below what the eye can tell; 2 % of the variance is 1 % of the radius
         assert!((found.energy / wanted_energy - 1.0).abs() < 0.01, "energy {}, wanted {wanted_energy}", found.energy);
         assert!((found.mean - wanted.mean).length() < 0.1, "centroid {}, wanted {}", found.mean, wanted.mean);
