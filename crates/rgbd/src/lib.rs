@@ -2,19 +2,57 @@
 //!
 //! One picture type crosses crate borders, the [`Frame`]: colour and depth in layers, nearest first. A result without
 //! depth is a [`Picture`]; a traced ground truth with its own noise is a [`Truth`].
+//!
+//! [`write_frame`], [`write_picture`] and [`write_truth`] make OpenEXR files that [`read_frame`], [`read_picture`] and
+//! [`read_truth`] give back bit for bit. The readers also take other programs' files: the header is surveyed, a
+//! [`Choice`] of channels is made that says why, and what they hold is brought to this crate's conventions.
 
+mod attributes;
+mod camera_text;
+mod channel_name;
+mod choice;
+mod choose;
+mod choose_color;
+mod choose_depth;
+mod compression;
+mod convert;
+mod depth_convention;
+mod encode_exr;
+mod exr_file;
 mod frame;
+mod head;
+mod lens_attributes;
 mod picture;
 mod pixel_window;
 mod plane;
+mod png;
 mod primaries;
 mod progress;
+mod read;
+mod read_error;
+mod read_options;
+mod replace;
+mod survey;
 mod truth;
+mod write;
+mod write_error;
 
+pub use choice::Choice;
+pub use compression::Compression;
+pub use depth_convention::DepthConvention;
 pub use frame::{Frame, FrameError, Layer};
+pub use head::Head;
+pub use lens_attributes::LensAttributes;
 pub use picture::Picture;
 pub use pixel_window::PixelWindow;
 pub use plane::{Mask, Plane};
+pub use png::{encode_png, srgb_byte, write_png};
 pub use primaries::Primaries;
 pub use progress::{Cancelled, Progress, Silent};
+pub use read::{Loaded, read_frame, read_picture, read_truth, survey_file};
+pub use read_error::ReadError;
+pub use read_options::ReadOptions;
+pub use survey::{ChannelSurvey, PartSurvey, SampleKind, Survey};
 pub use truth::Truth;
+pub use write::{Notes, WriteOptions, write_frame, write_picture, write_truth};
+pub use write_error::WriteError;

@@ -23,7 +23,7 @@ impl Truth {
     /// The picture: the mean of the halves, weighted by their sample counts.
     #[must_use]
     pub fn picture(&self) -> Picture {
-        let total = (self.samples[0] + self.samples[1]).max(1) as f32;
+        let total = self.samples.iter().map(|&n| u64::from(n)).sum::<u64>().max(1) as f32;
         let [wa, wb] = self.samples.map(|n| n as f32 / total);
         let [a, b] = &self.halves;
         Picture::from_fn(a.window(), |x, y| {
