@@ -3,7 +3,9 @@
 //! Anchor colours are joined in Oklab (Ottosson 2020) and placed by their own lightness, which makes lightness exactly
 //! linear in the number.
 
-use crate::transfer::{linear_from_srgb, srgb_from_linear};
+use rgbd::srgb_byte;
+
+use crate::transfer::linear_from_srgb;
 
 /// Darkness to pale yellow, for errors from 0 up.
 const SEQUENTIAL: [u32; 7] = [0x08_0a18, 0x2b_1d5c, 0x6b_2a7d, 0xb6_3a6b, 0xea_6247, 0xfb_a63c, 0xfd_f3b0];
@@ -37,7 +39,7 @@ impl Ramp {
     /// The same as a CSS colour.
     #[must_use]
     pub fn css(self, t: f32) -> String {
-        let [r, g, b] = self.color(t).map(|value| (255.0 * srgb_from_linear(f64::from(value))).round() as u8);
+        let [r, g, b] = self.color(t).map(srgb_byte);
         format!("#{r:02x}{g:02x}{b:02x}")
     }
 }

@@ -109,9 +109,9 @@ impl Report<'_> {
         })
     }
 
-    /// The unfiltered picture, if there is one, then the candidates.
+    /// The candidates, then the unfiltered picture, if there is one.
     pub(crate) fn entries(&self) -> impl Iterator<Item = &Entry> {
-        self.unfiltered.iter().chain(&self.candidates)
+        self.candidates.iter().chain(&self.unfiltered)
     }
 
     /// One scale for all maps of a kind, from the candidates: the unfiltered picture's errors would dwarf them.

@@ -14,13 +14,11 @@ fn choices(report: &Report<'_>) -> Vec<(String, String)> {
     list
 }
 
-/// The before/after slider; a range input moves the seam, so keys, fingers and mice all do.
+/// The before/after slider, at first between the reference and the first candidate. A range input moves the seam, so
+/// keys, fingers and mice all do.
 pub(crate) fn viewer(report: &Report<'_>) -> Markup {
     let choices = choices(report);
     let window = report.reference.display();
-    // Start with the reference on the left and the first candidate on the right
-    let first = usize::from(report.unfiltered.is_some() && !report.candidates.is_empty());
-    let right = format!("picture-{first}");
     let select = |id: &str, label: &str, chosen: &str| {
         html! {
             label { (label) " "
@@ -36,7 +34,7 @@ pub(crate) fn viewer(report: &Report<'_>) -> Markup {
         section.viewer id="viewer" hidden {
             div.choices {
                 (select("left", "Left", "picture-reference"))
-                (select("right", "Right", &right))
+                (select("right", "Right", "picture-0"))
             }
             div.stage id="stage" style={ "aspect-ratio:" (window.width) "/" (window.height) } {
                 img id="under" alt="left picture";

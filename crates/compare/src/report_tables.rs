@@ -24,12 +24,14 @@ pub(crate) fn tables(report: &Report<'_>) -> Markup {
 fn table(report: &Report<'_>, mask: MaskKind) -> Markup {
     let noise = report.reference.noise_mse(report.masks, mask).filter(|&mse| mse > 0.0);
     html! {
-        div.scroll tabindex="0" role="region" aria-label={ "Figures, " (mask.name()) } {
+        h3 id={ "mask-" (mask.name()) } {
+            (mask.name()) span.small {
+                " · " (percent(report.masks.share(mask))) " of the pixels"
+                @if let Some(noise) = noise { " · noise of the reference " (format!("{:.1} dB", psnr_db(noise))) }
+            }
+        }
+        div.scroll tabindex="0" role="region" aria-labelledby={ "mask-" (mask.name()) } {
             table.figures {
-                caption {
-                    b { (mask.name()) } " · " (percent(report.masks.share(mask))) " of the pixels"
-                    @if let Some(noise) = noise { " · noise of the reference " (format!("{:.1} dB", psnr_db(noise))) }
-                }
                 thead {
                     tr {
                         th scope="col" { "picture" }
@@ -54,9 +56,7 @@ fn row(entry: &Entry, mask: MaskKind, class: &str) -> Markup {
             th scope="row" { (entry.name) }
             td.key { (corrected_psnr(figures)) }
             td { (plain_psnr(figures)) }
-            @for value in [figures.rmse(), figures.mae] { td { (format!("{value:.5}")) } }
-            td { (format!("{:+.5}", figures.bias)) }
-            td { (format!("{:.5}", figures.rel_mse)) }
+            @for value in [figures.rmse(), figures.mae, figures.bias, figures.rel_mse] { td { (number(value)) } }
             @for value in [figures.ssim, figures.flip_ldr, figures.flip_hdr] { td { (format!("{value:.4}")) } }
         }
     }
@@ -76,4 +76,16 @@ fn corrected_psnr(figures: &Figures) -> Markup {
 
 fn plain_psnr(figures: &Figures) -> String {
     if figures.mse > 0.0 { format!("{:.2} dB", figures.psnr_db()) } else { "no error".to_owned() }
+}
+
+/// An error with three digits that count.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e3).contains(&size) {
+        format!("{value:.4}")
+    } else {
+        format!("{value:.2e}")
+    }
 }

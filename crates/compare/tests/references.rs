@@ -3,9 +3,6 @@
 mod shared;
 
 use compare::{Comparison, GivenNoise, MaskKind, Masks, Reference};
-use glam::DVec2;
-use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
-use rgbd::{Frame, Layer, Picture};
 
 /// FLIP and SSIM maps of the reference implementations, averaged in f64. (FLIP's own mean is a running f32 sum, off by
 /// 2e-4 at 1280x720.)
@@ -37,19 +34,6 @@ fn a_pinhole_against_a_lens_on_three_scenes() {
     }
 }
 
-/// Planar depth, focal length 1777.8 px, an untilted lens of `aperture_diameter` focused at `focus`.
-fn blender_frame(picture: Picture, depth: rgbd::Plane, focus: f64, aperture_diameter: f64) -> (Frame, Camera) {
-    let display = picture.window();
-    let half = DVec2::new(f64::from(display.width), f64::from(display.height)) / (2.0 * 1777.8);
-    let camera = Camera {
-        pose: Pose::IDENTITY,
-        film: Film::new(-half, half, display.width, display.height).unwrap(),
-        focus: Focus::at_depth(focus).unwrap(),
-        iris: Iris::upright(aperture_diameter / 2.0, ApertureShape::Disc).unwrap(),
-    };
-    (Frame::new(display, vec![Layer::from_raw_depth(picture, depth)]).unwrap(), camera)
-}
-
 #[test]
 fn the_edge_masks_of_the_blender_scenes() {
     const PRINTED_DIGITS: f64 = 5e-5;
@@ -61,7 +45,7 @@ fn the_edge_masks_of_the_blender_scenes() {
         else {
             return;
         };
-        let (frame, camera) = blender_frame(picture, depth.expect("a depth channel"), focus, aperture);
+        let (frame, camera) = shared::blender_frame(picture, depth.expect("a depth channel"), focus, aperture);
         let masks = Masks::from_frame(&frame, &camera, Some(20.0)).unwrap();
         let found = masks.share(MaskKind::Edges);
         assert!((found - share).abs() < PRINTED_DIGITS, "{scene}: {found}");
@@ -77,7 +61,7 @@ fn the_figures_within_the_edges_of_a_blender_scene() {
     let load = |name: &str| shared::load(&format!("reference/blender/{name}.exr"));
     let Some((lens, _)) = load("simple_dof40px_reference_192spp") else { return };
     let Some((pinhole, depth)) = load("simple_pinhole_1280x720_64spp_RGBZ") else { return };
-    let (frame, camera) = blender_frame(pinhole.clone(), depth.expect("a depth channel"), 10.0, 0.61);
+    let (frame, camera) = shared::blender_frame(pinhole.clone(), depth.expect("a depth channel"), 10.0, 0.61);
     let masks = Masks::from_frame(&frame, &camera, None).unwrap();
     let noise = GivenNoise { all: Some(9.068e-6), edges: Some(9.667e-6), interior: None };
     let reference = Reference::from_picture(&lens, lens.window(), noise).unwrap();

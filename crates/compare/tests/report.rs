@@ -2,8 +2,6 @@
 
 mod shared;
 
-use std::time::Instant;
-
 use compare::{Comparison, Entry, GivenNoise, HeatKind, MaskKind, Masks, Parameter, Reference, Report, round_scale};
 use rgbd::{Picture, PixelWindow, Plane, Truth};
 
@@ -128,30 +126,46 @@ fn scales_are_round_and_ignore_outliers() {
 /// Also leaves the page where `TILTSHIFT_REPORT_OUT` says, to look at.
 #[test]
 fn a_report_of_real_pictures() {
-    let Some((lens, _)) = shared::load("reference/simple_untilted_ref.exr") else { return };
-    let (pinhole, _) = shared::load("reference/simple_pinhole_ref.exr").unwrap();
-    let (tilted, _) = shared::load("reference/simple_tilt_ref.exr").unwrap();
-    let display = lens.window();
-    let noise = GivenNoise { all: Some(0.00097 * 0.00097), ..GivenNoise::default() };
-    let reference = Reference::from_picture(&lens, display, noise).unwrap();
-    let masks = Masks::without_depth(display);
-    let start = Instant::now();
+    let load = |name: &str| shared::load(&format!("reference/blender/{name}.exr"));
+    let Some((lens, _)) = load("simple_dof40px_reference_192spp") else { return };
+    let (pinhole, depth) = load("simple_pinhole_1280x720_64spp_RGBZ").expect("the scene without a lens");
+    let (frame, camera) = shared::blender_frame(pinhole.clone(), depth.expect("a depth channel"), 10.0, 0.61);
+    let masks = Masks::from_frame(&frame, &camera, None).unwrap();
+    let noise = GivenNoise { all: Some(9.068e-6), edges: Some(9.667e-6), interior: None };
+    let reference = Reference::from_picture(&lens, lens.window(), noise).unwrap();
+
+    // A candidate that is a tenth as wrong as no filter at all
+    let nearly = Picture::from_fn(lens.window(), |x, y| {
+        let (lens, pinhole) = (lens.at(x, y), pinhole.at(x, y));
+        [0, 1, 2, 3].map(|c| lens[c] + 0.1 * (pinhole[c] - lens[c]))
+    });
     let report = Report {
-        title: "Simple scene, untilted lens".into(),
-        about: "How far is a tilted lens, or none, from an untilted one?".into(),
-        reference_name: "4096 samples".into(),
+        title: "Simple scene, 40 px of blur".into(),
+        about: "How much is gained by nine tenths of the blur?".into(),
+        reference_name: "192 samples".into(),
         reference: &reference,
         masks: &masks,
         unfiltered: Some(entry("pinhole", &reference, &pinhole, &masks)),
-        candidates: vec![entry("tilted lens", &reference, &tilted, &masks), entry("itself", &reference, &lens, &masks)],
+        candidates: vec![
+            entry("nine tenths", &reference, &nearly, &masks),
+            entry("the reference itself", &reference, &lens, &masks),
+        ],
         exposure_stops: 0.0,
-        parameters: vec![Parameter::new("aperture radius, scene units", 0.3)],
-        commands: vec!["tiltshift compare simple_untilted.exr simple_tilt.exr --report out".into()],
+        parameters: vec![Parameter::new("aperture diameter, scene units", 0.61), Parameter::new("depth of focus", 10)],
+        commands: vec!["tiltshift compare lens.exr nearly.exr lens.exr --unfiltered pinhole.exr --report out".into()],
     };
-    assert!(start.elapsed().as_secs() < 20, "three comparisons at 640x360 take well under a second each");
-    assert_eq!(report.to_json()["candidates"][1]["figures"][0]["below_noise"], true);
-    assert!(report.candidates[0].comparison.within(MaskKind::Edges).is_none(), "no depth, no edges");
+
+    // The difference is a tenth, noise and all: 20 dB everywhere
+    for kind in MaskKind::EVERY {
+        let psnr = |entry: &Entry| entry.comparison.within(kind).unwrap().psnr_db();
+        let gain = psnr(&report.candidates[0]) - psnr(report.unfiltered.as_ref().unwrap());
+        assert!((gain - 20.0).abs() < 1e-3, "{kind:?}: {gain} dB");
+    }
+    let json = report.to_json();
+    let verdicts = [0, 1, 2].map(|i| json["candidates"][1]["figures"][i]["below_noise"] == true);
+    assert_eq!(verdicts, [true; 3]);
     let html = report.to_html().unwrap();
+    assert!(html.contains("edges") && html.contains("10.3 %"));
     if let Some(path) = std::env::var_os("TILTSHIFT_REPORT_OUT") {
         std::fs::write(path, html).unwrap();
     }

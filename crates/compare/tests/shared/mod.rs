@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use rgbd::{Picture, PixelWindow, Plane};
+use glam::DVec2;
+use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
+use rgbd::{Frame, Layer, Picture, PixelWindow, Plane};
 
 /// A file of the shared folder, or `None`, said aloud, where there is no such folder.
 pub(crate) fn file(name: &str) -> Option<PathBuf> {
@@ -27,4 +29,17 @@ pub(crate) fn load(name: &str) -> Option<(Picture, Option<Plane>)> {
     let [r, g, b] = ["R", "G", "B"].map(|name| channel(name).expect("a colour channel"));
     let picture = Picture::from_planes([r, g, b, Plane::filled(window, 1.0)]).expect("one window");
     Some((picture, channel("Z")))
+}
+
+/// Planar depth, focal length 1777.8 px, an untilted lens of `aperture_diameter` focused at `focus`.
+pub(crate) fn blender_frame(picture: Picture, depth: Plane, focus: f64, aperture_diameter: f64) -> (Frame, Camera) {
+    let display = picture.window();
+    let half = DVec2::new(f64::from(display.width), f64::from(display.height)) / (2.0 * 1777.8);
+    let camera = Camera {
+        pose: Pose::IDENTITY,
+        film: Film::new(-half, half, display.width, display.height).unwrap(),
+        focus: Focus::at_depth(focus).unwrap(),
+        iris: Iris::upright(aperture_diameter / 2.0, ApertureShape::Disc).unwrap(),
+    };
+    (Frame::new(display, vec![Layer::from_raw_depth(picture, depth)]).unwrap(), camera)
 }
