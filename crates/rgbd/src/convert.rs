@@ -8,7 +8,12 @@ use crate::survey::ChannelIndex;
 use crate::{DepthConvention, Frame, Head, Layer, Mask, Picture, PixelWindow, Plane, ReadError, ReadOptions};
 
 /// A frame in the window of its colour; where depth has no pixels there it is unknown.
-pub(crate) fn frame_from(file: &ExrFile, plan: &Plan, head: &Head, options: &ReadOptions) -> Result<Frame, ReadError> {
+pub(crate) fn convert_frame(
+    file: &ExrFile,
+    plan: &Plan,
+    head: &Head,
+    options: &ReadOptions,
+) -> Result<Frame, ReadError> {
     let path = file.path();
     let film = head.camera.as_ref().map(|camera| camera.film).or(options.film);
     if options.convention == DepthConvention::Ray && film.is_none() {
@@ -28,7 +33,7 @@ pub(crate) fn frame_from(file: &ExrFile, plan: &Plan, head: &Head, options: &Rea
     let window = file.window(plan.color.rgb[0]);
     let mut layers = Vec::with_capacity(sources.len());
     for (i, (group, depth)) in sources.iter().enumerate() {
-        let mut next = || fitted(planes.next().unwrap_or_else(|| Plane::filled(window, 0.0)), window, 0.0);
+        let mut next = || fitted(planes.next().expect("a plane for each channel asked for"), window, 0.0);
         let rgb = [next(), next(), next()];
         let alpha = group.alpha.is_some().then(&mut next);
         let raw = next();
@@ -37,22 +42,16 @@ pub(crate) fn frame_from(file: &ExrFile, plan: &Plan, head: &Head, options: &Rea
         });
         layers.push(layer);
     }
-    let made = Frame::new(head.display, layers);
-    let mut frame = made.map_err(|source| ReadError::Frame { path: path.into(), source })?;
-    frame.pixel_aspect = head.pixel_aspect;
-    frame.primaries = head.primaries;
-    frame.metres_per_unit = head.metres_per_unit;
-    frame.camera = head.camera;
-    Ok(frame)
+    assemble(file, head, layers)
 }
 
 /// The chosen colour alone; opaque where the file has no alpha.
-pub(crate) fn picture_from(file: &ExrFile, plan: &Plan) -> Result<Picture, ReadError> {
+pub(crate) fn convert_picture(file: &ExrFile, plan: &Plan) -> Result<Picture, ReadError> {
     let window = file.window(plan.color.rgb[0]);
     let wanted: Vec<ChannelIndex> = plan.color.channels().collect();
     let planes = file.planes(&wanted)?.into_iter().chain(std::iter::once(Plane::filled(window, 1.0)));
     let planes: Vec<Plane> = planes.take(4).map(|plane| fitted(plane, window, 0.0)).collect();
-    Ok(picture(planes, window))
+    Ok(picture_from(planes))
 }
 
 /// A layer from colour, alpha where there is one, and depth as stored.
@@ -78,13 +77,24 @@ fn layer_from(
             }
         }
     }
-    Layer::from_raw_depth(picture(planes, window), depth)
+    Layer::from_raw_depth(picture_from(planes), depth)
 }
 
-/// Four planes of one window as a picture.
-fn picture(planes: Vec<Plane>, window: PixelWindow) -> Picture {
-    let planes = <[Plane; 4]>::try_from(planes).ok().and_then(Picture::from_planes);
-    planes.unwrap_or_else(|| Picture::filled(window, [0.0; 4]))
+/// A frame of these layers with the head's windows, colours, unit and camera.
+pub(crate) fn assemble(file: &ExrFile, head: &Head, layers: Vec<Layer>) -> Result<Frame, ReadError> {
+    let made = Frame::new(head.display, layers);
+    let mut frame = made.map_err(|source| ReadError::Frame { path: file.path().into(), source })?;
+    frame.pixel_aspect = head.pixel_aspect;
+    frame.primaries = head.primaries;
+    frame.metres_per_unit = head.metres_per_unit;
+    frame.camera = head.camera;
+    Ok(frame)
+}
+
+/// A picture from red, green, blue and alpha, which must have one window.
+pub(crate) fn picture_from(planes: Vec<Plane>) -> Picture {
+    let planes: [Plane; 4] = planes.try_into().expect("four channels make a picture");
+    Picture::from_planes(planes).expect("the channels of a picture have one window")
 }
 
 /// The plane in another window, with `outside` where it has no pixels.

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use exr::block::UncompressedBlock;
@@ -30,7 +29,7 @@ impl ExrFile {
         let io = |source| ReadError::Io { path: path.into(), source };
         let file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
-        let meta = guarded(path, || MetaData::read_from_buffered(BufReader::new(file), false))?;
+        let meta = MetaData::read_from_buffered(BufReader::new(file), false).map_err(|error| refusal(path, error))?;
         let damaged = |reason: &str| ReadError::Damaged { path: path.into(), reason: reason.into() };
         if meta.headers.is_empty() {
             return Err(damaged("it has no part"));
@@ -90,14 +89,15 @@ impl ExrFile {
         self.refuse_subsampled(wanted)?;
         let mut planes: BTreeMap<(usize, usize), Plane> =
             wanted.iter().map(|at| ((at.part, at.channel), Plane::filled(self.window(*at), 0.0))).collect();
-        guarded(&self.path, || self.fill(&mut planes))?;
+        self.fill(&mut planes).map_err(|error| refusal(&self.path, error))?;
         // A channel may be asked for twice, as colour and as depth
-        let last = |i: usize| !wanted[i + 1..].contains(&wanted[i]);
+        let is_last = |i: usize| !wanted[i + 1..].contains(&wanted[i]);
         let take = |(i, at): (usize, &ChannelIndex)| {
             let key = (at.part, at.channel);
-            if last(i) { planes.remove(&key) } else { planes.get(&key).cloned() }
+            let plane = if is_last(i) { planes.remove(&key) } else { planes.get(&key).cloned() };
+            plane.expect("each wanted channel has its plane")
         };
-        Ok(wanted.iter().enumerate().filter_map(take).collect())
+        Ok(wanted.iter().enumerate().map(take).collect())
     }
 
     /// Refuses deep files by name: the decoder reads no part of a file that has a deep one.
@@ -202,21 +202,15 @@ fn copy_lines(block: &UncompressedBlock, meta: &MetaData, planes: &mut BTreeMap<
     }
 }
 
-/// Runs the decoder, and turns its errors and its panics into ours.
-///
-/// The decoder computes with the numbers of a damaged file and panics where they overflow or lead outside a slice.
-/// Nothing it may leave half done is used afterwards.
-fn guarded<T>(path: &Path, decode: impl FnOnce() -> exr::error::Result<T>) -> Result<T, ReadError> {
-    let damaged = |reason: String| ReadError::Damaged { path: path.into(), reason };
-    match catch_unwind(AssertUnwindSafe(decode)) {
-        Ok(Ok(value)) => Ok(value),
-        Ok(Err(exr::error::Error::Io(source))) => Err(ReadError::Io { path: path.into(), source }),
-        Ok(Err(exr::error::Error::NotSupported(what))) => Err(ReadError::Unsupported {
+/// The decoder's error as ours.
+fn refusal(path: &Path, error: exr::error::Error) -> ReadError {
+    match error {
+        exr::error::Error::Io(source) => ReadError::Io { path: path.into(), source },
+        exr::error::Error::NotSupported(what) => ReadError::Unsupported {
             path: path.into(),
             what: what.into_owned(),
             remedy: "write it as a flat OpenEXR 2 file",
-        }),
-        Ok(Err(error)) => Err(damaged(error.to_string())),
-        Err(_) => Err(damaged("its numbers contradict each other".into())),
+        },
+        error => ReadError::Damaged { path: path.into(), reason: error.to_string() },
     }
 }

@@ -6,6 +6,37 @@
 //! [`write_frame`], [`write_picture`] and [`write_truth`] make OpenEXR files that [`read_frame`], [`read_picture`] and
 //! [`read_truth`] give back bit for bit. The readers also take other programs' files: the header is surveyed, a
 //! [`Choice`] of channels is made that says why, and what they hold is brought to this crate's conventions.
+//!
+//! ```
+//! use rgbd::{Frame, Layer, Picture, PixelWindow, Plane, ReadOptions, WriteOptions, read_frame, write_frame};
+//!
+//! let window = PixelWindow::of_size(64, 36);
+//! let ramp = Plane::from_fn(window, |x, _| if x < 60 { 1.0 + x as f32 } else { f32::INFINITY });
+//! let frame = Frame::new(window, vec![Layer::from_raw_depth(Picture::filled(window, [0.18, 0.18, 0.18, 1.0]), ramp)])?;
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("ramp.exr");
+//! write_frame(&path, &frame, &WriteOptions::default())?;
+//! let read = read_frame(&path, &ReadOptions::default())?;
+//! assert_eq!(read.value, frame);
+//! println!("{}", read.choice); // colour from R, G, B, A; depth from Z (the file says so itself)
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What our files hold
+//!
+//! One part of scan lines, all channels f32. Depth is planar, `+inf` for the sky, NaN where it is not known.
+//!
+//! | attribute | type | holds |
+//! | --- | --- | --- |
+//! | `tiltshift.kind` | string | `frame`, `picture` or `truth` |
+//! | `tiltshift.layers` | int | number of layers: `R G B A Z`, `L2.R` ... `L2.Z`, and on; other channels are planes |
+//! | `tiltshift.samples` | string | samples per pixel in `half0.*` and `half1.*` of a truth |
+//! | `tiltshift.camera` | string | the camera as JSON; each number gives back its f64 exactly |
+//! | `tiltshift.metresPerUnit` | double | metres in one unit of depth |
+//! | `tiltshift.note.NAME` | string | free text |
+//!
+//! Beside them stand the standard `worldToCamera` and `worldToNDC` where there is a camera, `chromaticities`,
+//! `pixelAspectRatio`, and what [`LensAttributes`] names.
 
 mod attributes;
 mod camera_text;

@@ -5,14 +5,13 @@ use std::path::Path;
 
 use crate::attributes::{file_kind, head, lens_attributes, notes};
 use crate::choose::choose;
-use crate::convert;
+use crate::convert::{assemble, convert_frame, convert_picture, picture_from};
 use crate::encode_exr::FileKind;
 use crate::exr_file::ExrFile;
 use crate::survey::ChannelIndex;
 use crate::write::{half_prefix, layer_prefix};
 use crate::{
-    Choice, DepthConvention, Frame, Head, Layer, LensAttributes, Notes, Picture, Plane, ReadError, ReadOptions, Survey,
-    Truth,
+    Choice, DepthConvention, Frame, Head, Layer, LensAttributes, Notes, Picture, ReadError, ReadOptions, Survey, Truth,
 };
 
 /// What was read, and all that the file says besides.
@@ -38,14 +37,13 @@ pub fn survey_file(path: &Path, max_pixels: u64) -> Result<Survey, ReadError> {
 /// Reads colour and depth: a file of ours bit for bit, with layers, planes and camera; any other as detected.
 pub fn read_frame(path: &Path, options: &ReadOptions) -> Result<Loaded<Frame>, ReadError> {
     let file = ExrFile::open(path, options.max_pixels)?;
-    let head = head(path, file.meta())?;
+    let head = head_of(&file, options)?;
     match file_kind(path, file.meta())? {
         Some(FileKind::Frame { layers }) if !overridden(options) => own_frame(&file, head, layers),
         _ => {
             file.refuse_deep()?;
             let plan = choose(path, file.survey(), options, true)?;
-            let head = Head { metres_per_unit: head.metres_per_unit.or(options.metres_per_unit), ..head };
-            let frame = convert::frame_from(&file, &plan, &head, options)?;
+            let frame = convert_frame(&file, &plan, &head, options)?;
             Ok(loaded(&file, frame, head, plan.choice))
         }
     }
@@ -54,10 +52,10 @@ pub fn read_frame(path: &Path, options: &ReadOptions) -> Result<Loaded<Frame>, R
 /// Reads colour only, of any file that has some; of a truth the mean.
 pub fn read_picture(path: &Path, options: &ReadOptions) -> Result<Loaded<Picture>, ReadError> {
     let file = ExrFile::open(path, options.max_pixels)?;
-    let head = head(path, file.meta())?;
+    let head = head_of(&file, options)?;
     file.refuse_deep()?;
     let plan = choose(path, file.survey(), options, false)?;
-    let picture = convert::picture_from(&file, &plan)?;
+    let picture = convert_picture(&file, &plan)?;
     Ok(loaded(&file, picture, head, plan.choice))
 }
 
@@ -79,6 +77,12 @@ pub fn read_truth(path: &Path, max_pixels: u64) -> Result<Loaded<Truth>, ReadErr
         None => "a picture of another program",
     };
     Err(ReadError::WrongKind { path: path.into(), found, wanted: "a traced truth with its two halves" })
+}
+
+/// What the file says, with what the options know better.
+fn head_of(file: &ExrFile, options: &ReadOptions) -> Result<Head, ReadError> {
+    let head = head(file.path(), file.meta())?;
+    Ok(Head { metres_per_unit: options.metres_per_unit.or(head.metres_per_unit), ..head })
 }
 
 /// Whether the options ask for something else than what a file of ours says of itself.
@@ -111,22 +115,11 @@ fn own_frame(file: &ExrFile, head: Head, count: usize) -> Result<Loaded<Frame>, 
             layers.push(Layer::from_raw_depth(color, depth));
         }
     }
-    let mut frame = frame_from(file, &head, layers)?;
+    let mut frame = assemble(file, &head, layers)?;
     frame.planes = rest.iter().map(|&at| file.survey().label(at)).zip(planes).collect();
     let mut choice = own_choice(&["R", "G", "B", "A"], Some("Z"));
     choice.hidden = (1..count).map(|i| layer_prefix(i).trim_end_matches('.').to_owned()).collect();
     Ok(loaded(file, frame, head, choice))
-}
-
-/// A frame of these layers with the head's windows, colours, unit and camera.
-fn frame_from(file: &ExrFile, head: &Head, layers: Vec<Layer>) -> Result<Frame, ReadError> {
-    let made = Frame::new(head.display, layers);
-    let mut frame = made.map_err(|source| ReadError::Frame { path: file.path().into(), source })?;
-    frame.pixel_aspect = head.pixel_aspect;
-    frame.primaries = head.primaries;
-    frame.metres_per_unit = head.metres_per_unit;
-    frame.camera = head.camera;
-    Ok(frame)
 }
 
 /// The channel of that name, which a file of ours must have.
@@ -155,10 +148,4 @@ fn own_choice(color: &[&str], depth: Option<&str>) -> Choice {
 fn loaded<T>(file: &ExrFile, value: T, head: Head, choice: Choice) -> Loaded<T> {
     let header = &file.meta().headers[0];
     Loaded { value, head, choice, lens: lens_attributes(header), notes: notes(header) }
-}
-
-/// A picture from red, green, blue and alpha of one part.
-fn picture_from(planes: Vec<Plane>) -> Picture {
-    let planes: [Plane; 4] = planes.try_into().expect("four channels were asked for");
-    Picture::from_planes(planes).expect("channels of one part have one window")
 }

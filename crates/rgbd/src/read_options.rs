@@ -17,7 +17,7 @@ pub struct ReadOptions {
     pub convention: DepthConvention,
     /// The film, for depths along the ray; the file's own camera comes first.
     pub film: Option<Film>,
-    /// Metres in one unit of depth, where the file does not say.
+    /// Metres in one unit of depth, in place of what the file says.
     pub metres_per_unit: Option<f64>,
     /// Windows of more pixels than this are refused before anything is allocated for them.
     pub max_pixels: u64,

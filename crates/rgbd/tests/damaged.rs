@@ -32,7 +32,7 @@ fn a_file_cut_short_anywhere_is_damaged() {
     let path = folder.path().join("cut.exr");
     for compression in COMPRESSIONS {
         let bytes = bytes_of(&path, compression);
-        for length in (0..bytes.len()).step_by(7).chain([bytes.len() - 1]) {
+        for length in (0..bytes.len()).step_by(13).chain([bytes.len() - 1]) {
             std::fs::write(&path, &bytes[..length]).unwrap();
             let error = read_frame(&path, &ReadOptions::default()).unwrap_err();
             assert!(matches!(error, ReadError::Damaged { .. }), "{compression:?} cut to {length}: {error}");
@@ -48,16 +48,16 @@ fn a_file_with_any_byte_changed_is_read_or_refused() {
     for compression in COMPRESSIONS {
         let bytes = bytes_of(&path, compression);
         let mut refused = 0;
-        for at in (0..bytes.len().min(3000)).step_by(5) {
+        for at in (0..bytes.len().min(3000)).step_by(11) {
             let mut changed = bytes.clone();
             // Small numbers become large or negative, names others, sizes wrong
-            changed[at] ^= [0x80, 0xff, 0x01, 0x7f][at / 5 % 4];
+            changed[at] ^= [0x80, 0xff, 0x01, 0x7f][at / 11 % 4];
             std::fs::write(&path, &changed).unwrap();
             let options = ReadOptions { max_pixels: 1 << 20, ..ReadOptions::default() };
             refused += usize::from(read_frame(&path, &options).is_err());
             let _ = read_truth(&path, options.max_pixels);
         }
-        assert!(refused > 50, "{compression:?}: only {refused} refused");
+        assert!(refused > 20, "{compression:?}: only {refused} refused");
     }
 }
 

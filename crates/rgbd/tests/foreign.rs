@@ -1,5 +1,7 @@
 //! Files of other programs: which channels are taken, and what comes of them.
 
+#![expect(clippy::print_stderr, reason = "a test that is skipped says so")]
+
 use std::path::PathBuf;
 
 use rgbd::{Frame, Layer, Loaded, PixelWindow, ReadError, ReadOptions, read_frame, read_picture, survey_file};
