@@ -26,7 +26,7 @@ pub struct Figures {
     pub mae: f64,
     /// Mean of d^2 / (R^2 + 0.01).
     pub rel_mse: f64,
-    /// Structural similarity, at most 1.
+    /// Structural similarity, at most 1; the mean of the whole map. (scikit-image's own mean leaves out 5 px of border.)
     pub ssim: f64,
     /// LDR-FLIP at exposure 0, 0 to 1.
     pub flip_ldr: f64,

@@ -7,12 +7,13 @@ for (const [image, choice] of [["under", "left"], ["over", "right"]]) {
   show(image, choice);
 }
 byId("cut").addEventListener("input", cut);
-byId("stage").addEventListener("pointermove", (event) => {
-  if (event.pointerType === "mouse" && !event.buttons) return;
+const drag = (event) => {
+  if (!event.buttons) return;
   const box = byId("stage").getBoundingClientRect();
   byId("cut").value = 100 * (event.clientX - box.left) / box.width;
   cut();
-});
-byId("stage").style.touchAction = "pan-y";
+};
+for (const kind of ["pointerdown", "pointermove"]) byId("stage").addEventListener(kind, drag);
+for (const image of ["under", "over"]) byId(image).draggable = false;
 cut();
 byId("viewer").hidden = false;

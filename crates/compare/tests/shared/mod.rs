@@ -7,6 +7,7 @@ use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
 use rgbd::{Frame, Layer, Picture, PixelWindow, Plane};
 
 /// A file of the shared folder, or `None`, said aloud, where there is no such folder.
+#[expect(clippy::print_stdout, reason = "a test that is skipped must say so")]
 pub(crate) fn file(name: &str) -> Option<PathBuf> {
     let Some(root) = std::env::var_os("TILTSHIFT_SHARED") else {
         println!("skipped: TILTSHIFT_SHARED is not set");
