@@ -1,2 +1,66 @@
-//! The command line.
-fn main() {}
+//! The command line: what was typed, made into values, handed to the libraries. The only place that prints or exits.
+
+mod command;
+mod console;
+mod failure;
+mod files;
+mod lens_options;
+mod values;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::failure::{Failure, Outcome};
+
+/// Tilt-shift depth of field: trace it, filter it, and measure how far the two are apart.
+///
+/// Lengths of lenses are in mm, distances in metres, angles in degrees. Exit codes: 0 done, 1 a threshold was exceeded,
+/// 2 bad input or usage, 130 interrupted.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Trace a scene through a tilted lens: the ground truth, and the RGB-D frame that filters need.
+    Render(command::render::Options),
+    /// Put a tilt-shift lens onto an RGB-D picture of any renderer.
+    Filter(command::filter::Options),
+    /// Say how far pictures are from a reference, and where.
+    Compare(command::compare::Options),
+    /// Say what a lens setting means: plane of focus, hinge, depth of field.
+    Lens(command::lens::Options),
+    /// Trace, filter and compare a scene of the project, and leave a report to open.
+    Demo(command::demo::Options),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    console::listen_for_interrupts();
+    match run(cli.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            console::say(format_args!("tiltshift: {failure}"));
+            failure.exit_code()
+        }
+    }
+}
+
+fn run(command: Command) -> Outcome {
+    let outcome = match command {
+        Command::Render(options) => command::render::run(&options),
+        Command::Filter(options) => command::filter::run(&options),
+        Command::Compare(options) => command::compare::run(&options),
+        Command::Lens(options) => command::lens::run(&options),
+        Command::Demo(options) => command::demo::run(&options),
+    };
+    // Whatever error an interrupted stage came up with, it was the interruption
+    match outcome {
+        Err(_) if console::is_interrupted() => Err(Failure::Interrupted),
+        outcome => outcome,
+    }
+}

@@ -72,6 +72,17 @@ impl Layer {
         self.depth.window()
     }
 
+    /// The same layer on a larger window, empty where it is new; known to be infinitely far there if it `is_first`.
+    fn covering(&self, window: PixelWindow, is_first: bool) -> Self {
+        let old = self.window();
+        let known = |x, y| if old.contains(x, y) { self.known.at(x, y) } else { is_first };
+        Self {
+            color: self.color.covering(window),
+            depth: self.depth.covering(window, f32::INFINITY),
+            known: Mask::from_fn(window, known),
+        }
+    }
+
     /// The part inside `window`, which must lie within the layer's own.
     #[must_use]
     pub fn cropped(&self, window: PixelWindow) -> Self {
@@ -158,6 +169,21 @@ impl Frame {
     pub fn with_layers(mut self, count: usize) -> Self {
         self.layers.truncate(count.max(1));
         self
+    }
+
+    /// The same frame with data for all of `window` too: what is added is empty (alpha 0) and infinitely far, which is
+    /// what a data window smaller than the picture means. Further planes are 0 there.
+    #[must_use]
+    pub fn covering(self, window: PixelWindow) -> Self {
+        if self.data().contains_window(&window) {
+            return self;
+        }
+        let window = self.data().union(&window);
+        Self {
+            planes: self.planes.iter().map(|(name, plane)| (name.clone(), plane.covering(window, 0.0))).collect(),
+            layers: self.layers.iter().enumerate().map(|(i, layer)| layer.covering(window, i == 0)).collect(),
+            ..self
+        }
     }
 
     /// The same frame with its data window reduced to `window`, which must lie within it.

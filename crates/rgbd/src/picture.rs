@@ -71,6 +71,12 @@ impl Picture {
         }
     }
 
+    /// The same picture on a window that holds its own, transparent where it is new.
+    #[must_use]
+    pub fn covering(&self, window: PixelWindow) -> Self {
+        Self { planes: [0, 1, 2, 3].map(|c| self.planes[c].covering(window, 0.0)) }
+    }
+
     /// The part inside `window`, which must lie within the picture's own.
     #[must_use]
     pub fn cropped(&self, window: PixelWindow) -> Self {

@@ -82,6 +82,19 @@ impl Plane {
         }
         Self { window, values }
     }
+
+    /// The same plane on a window that holds its own, `outside` where it is new.
+    #[must_use]
+    pub fn covering(&self, window: PixelWindow, outside: f32) -> Self {
+        let mut plane = Self::filled(window, outside);
+        let inside = self.window.intersection(&window);
+        for y in inside.y..inside.y_end() {
+            let (to, from) = (window.index(inside.x, y), self.window.index(inside.x, y));
+            let width = inside.width as usize;
+            plane.values[to..to + width].copy_from_slice(&self.values[from..from + width]);
+        }
+        plane
+    }
 }
 
 /// One bit per pixel of a window.

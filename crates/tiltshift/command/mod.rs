@@ -1,0 +1,7 @@
+//! One file per subcommand.
+
+pub(crate) mod compare;
+pub(crate) mod demo;
+pub(crate) mod filter;
+pub(crate) mod lens;
+pub(crate) mod render;

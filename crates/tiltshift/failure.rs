@@ -1,0 +1,70 @@
+//! How a command ends when it does not end well, and the exit code that says so.
+
+use std::process::ExitCode;
+
+/// Why a command did not do all that was asked.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Bad input or usage: exit code 2.
+    Input(anyhow::Error),
+    /// A threshold was exceeded: exit code 1.
+    Exceeded(String),
+    /// Stopped by the user: exit code 130.
+    Interrupted,
+}
+
+/// What commands return.
+pub(crate) type Outcome = Result<(), Failure>;
+
+impl Failure {
+    /// The exit code that scripts see.
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Exceeded(_) => ExitCode::from(1),
+            Self::Input(_) => ExitCode::from(2),
+            Self::Interrupted => ExitCode::from(130),
+        }
+    }
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            // The whole chain on one line: what failed, then why
+            Self::Input(error) => write!(f, "{error:#}"),
+            Self::Exceeded(what) => f.write_str(what),
+            Self::Interrupted => f.write_str("stopped; nothing was written that is not complete"),
+        }
+    }
+}
+
+impl From<anyhow::Error> for Failure {
+    fn from(error: anyhow::Error) -> Self {
+        // A cancelled stage is no fault of the input, however deep it sits
+        if error.chain().any(|cause| cause.is::<rgbd::Cancelled>()) {
+            return Self::Interrupted;
+        }
+        Self::Input(error)
+    }
+}
+
+/// Library errors become bad input unless they are a cancellation.
+macro_rules! input_errors {
+    ($($error:ty),*) => {$(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                anyhow::Error::new(error).into()
+            }
+        }
+    )*};
+}
+
+input_errors!(
+    compare::CompareError,
+    filter::FilterError,
+    optics::OpticsError,
+    rgbd::ReadError,
+    rgbd::WriteError,
+    trace::FileError,
+    trace::RenderError
+);

@@ -1,0 +1,202 @@
+//! Options that say what lens is wanted, and the camera they make.
+
+use anyhow::{Context, anyhow, bail};
+use clap::{Args, ValueEnum};
+use glam::DVec2;
+use optics::{ApertureShape, Camera, Film, Focus, Nakane, Pose, ThinLens};
+
+use crate::values::{Pair, Pixel};
+
+/// What the picture shows: the field of view of the camera that rendered it.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Camera (where the file does not tell it)")]
+pub(crate) struct FilmOptions {
+    /// Focal length of the lens in mm; with --sensor-width it also gives the field of view.
+    #[arg(long, value_name = "MM")]
+    pub(crate) focal_length: Option<f64>,
+    /// Width of the sensor in mm (36 for full frame).
+    #[arg(long, value_name = "MM")]
+    pub(crate) sensor_width: Option<f64>,
+    /// Horizontal field of view of the picture in degrees.
+    #[arg(long, value_name = "DEG")]
+    pub(crate) fov: Option<f64>,
+    /// Shift in mm, right and rise, that the picture was rendered with.
+    #[arg(long, value_name = "RIGHT,RISE", allow_hyphen_values = true)]
+    pub(crate) shift: Option<Pair>,
+    /// Metres in one unit of depth.
+    #[arg(long, value_name = "M")]
+    pub(crate) metres_per_unit: Option<f64>,
+}
+
+/// How the lens stands, opens and focuses.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "Lens")]
+pub(crate) struct LensOptions {
+    /// F-number; the aperture radius is focal length / (2 N).
+    #[arg(long, short = 'N', value_name = "N")]
+    pub(crate) f_number: Option<f64>,
+    /// Aperture radius in mm, instead of an f-number.
+    #[arg(long, value_name = "MM", conflicts_with = "f_number")]
+    pub(crate) aperture_radius: Option<f64>,
+    /// Tilt in degrees: positive turns the lens axis down.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    pub(crate) tilt: Option<f64>,
+    /// Swing in degrees: positive turns the lens axis right.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    pub(crate) swing: Option<f64>,
+    /// Tilt by the distance of the hinge below the lens in metres, instead of --tilt (negative: above).
+    #[arg(long, value_name = "M", allow_hyphen_values = true, conflicts_with = "tilt")]
+    pub(crate) hinge_distance: Option<f64>,
+    /// Keep the iris parallel to the sensor: only the plane of focus tilts.
+    #[arg(long)]
+    pub(crate) upright_iris: bool,
+    /// Number of aperture blades (3 to 32); a disc without.
+    #[arg(long, value_name = "N")]
+    pub(crate) blades: Option<u32>,
+    /// Rotation of the aperture in degrees.
+    #[arg(long, value_name = "DEG", requires = "blades", allow_hyphen_values = true, default_value_t = 0.0)]
+    pub(crate) blade_rotation: f64,
+
+    /// Focus at this depth in metres on the optical axis (`inf` for infinity).
+    #[arg(long, value_name = "M", group = "focus")]
+    pub(crate) focus_distance: Option<f64>,
+    /// Focus on what is seen at a pixel of the picture.
+    #[arg(long, value_name = "X,Y", group = "focus")]
+    pub(crate) focus_pixel: Option<Pixel>,
+    /// Lay the plane of focus through what is seen at three pixels; tilt and swing follow.
+    #[arg(long, value_name = "X,Y", num_args = 3, group = "focus", conflicts_with_all = ["tilt", "swing", "hinge_distance"])]
+    pub(crate) focus_points: Option<Vec<Pixel>>,
+    /// Lay the plane of focus at this angle in degrees from the optical axis and this distance in metres along it; the
+    /// tilt follows.
+    #[arg(long, value_name = "DEG,M", group = "focus", allow_hyphen_values = true,
+          conflicts_with_all = ["tilt", "swing", "hinge_distance"])]
+    pub(crate) focus_plane: Option<Pair>,
+}
+
+/// What was made of the options.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Chosen {
+    /// The camera, in scene units.
+    pub(crate) camera: Camera,
+    /// The lens behind it, in metres.
+    pub(crate) lens: ThinLens,
+}
+
+impl FilmOptions {
+    /// Focal length in mm as the picture's scale needs it: given, or from sensor width and field of view.
+    pub(crate) fn focal_length_mm(&self) -> Option<f64> {
+        let from_fov = || Some(0.5 * self.sensor_width? / (0.5 * self.fov?.to_radians()).tan());
+        self.focal_length.or_else(from_fov)
+    }
+
+    /// The window of q that a picture of `width` x `height` pixels of `pixel_aspect` shows; `None` if too little is known.
+    pub(crate) fn film(&self, width: u32, height: u32, pixel_aspect: f64) -> anyhow::Result<Option<Film>> {
+        // Take the field of view as said, or as a renderer makes it from focal length and sensor
+        let half_width = match (self.fov, self.focal_length, self.sensor_width) {
+            (Some(fov), ..) => {
+                if !(fov > 0.0 && fov < 180.0) {
+                    bail!("--fov is {fov} degrees; it must be between 0 and 180");
+                }
+                (0.5 * fov.to_radians()).tan()
+            }
+            (None, Some(focal_length), Some(sensor_width)) => 0.5 * sensor_width / focal_length,
+            _ => return Ok(None),
+        };
+        let half_height = half_width * f64::from(height) / f64::from(width) / pixel_aspect;
+        let half = DVec2::new(half_width, half_height);
+        let film = Film::new(-half, half, width, height).context("the field of view makes no sense")?;
+
+        // Move it by the shift
+        let Some(shift) = self.shift else { return Ok(Some(film)) };
+        let focal_length = self.focal_length_mm().ok_or_else(|| anyhow!("--shift needs --focal-length"))?;
+        Ok(Some(film.shifted(DVec2::new(shift.0, shift.1) / focal_length)))
+    }
+}
+
+impl LensOptions {
+    /// Whether any lens was asked for.
+    pub(crate) fn is_given(&self) -> bool {
+        let Self { f_number, aperture_radius, tilt, swing, hinge_distance, focus_distance, .. } = self;
+        [f_number, aperture_radius, tilt, swing, hinge_distance, focus_distance].iter().any(|value| value.is_some())
+            || self.focus_pixel.is_some()
+            || self.focus_points.is_some()
+            || self.focus_plane.is_some()
+            || self.blades.is_some()
+            || self.upright_iris
+    }
+
+    /// The camera with this lens; `depth_at` tells the depth in metres of what a pixel of the picture shows.
+    ///
+    /// `film` is held: focusing does not change what the picture shows. Focal length and depths in metres inside.
+    pub(crate) fn camera(
+        &self,
+        pose: Pose,
+        film: Film,
+        focal_length_mm: Option<f64>,
+        metres_per_unit: f64,
+        depth_at: impl Fn(Pixel) -> anyhow::Result<f64>,
+    ) -> anyhow::Result<Chosen> {
+        let focal_length_mm = focal_length_mm.ok_or_else(|| {
+            anyhow!("the focal length of the lens is not known; give --focal-length (or --fov with --sensor-width)")
+        })?;
+        let lens = self.lens(film, focal_length_mm * 1e-3, depth_at)?;
+        let shape = match self.blades {
+            Some(blades) => ApertureShape::polygon(blades, self.blade_rotation.to_radians())?,
+            None => ApertureShape::Disc,
+        };
+
+        // From metres to the scene's unit
+        let in_units = lens.scaled(1.0 / metres_per_unit).context("metres per unit of depth")?;
+        let iris = if self.upright_iris { in_units.upright_iris(shape) } else { in_units.iris(shape) };
+        Ok(Chosen { camera: in_units.camera(pose, film, iris)?, lens })
+    }
+
+    /// The lens in metres.
+    fn lens(
+        &self,
+        film: Film,
+        focal_length: f64,
+        depth_at: impl Fn(Pixel) -> anyhow::Result<f64>,
+    ) -> anyhow::Result<ThinLens> {
+        let f_number = match (self.f_number, self.aperture_radius) {
+            (Some(f_number), _) => f_number,
+            (None, Some(radius)) => 0.5e3 * focal_length / radius,
+            (None, None) => bail!("the aperture is not known; give --f-number or --aperture-radius"),
+        };
+
+        // A whole plane of focus fixes tilt and swing
+        if let Some(focus) = self.plane(&film, &depth_at)? {
+            return Ok(ThinLens::of_focal_length(&focus, focal_length, f_number)?);
+        }
+
+        // Else the lens stands as asked and focuses on a depth
+        let tilt = match self.hinge_distance {
+            Some(distance) => ThinLens::tilt_for_hinge(focal_length, distance.abs())?.copysign(distance),
+            None => self.tilt.unwrap_or(0.0).to_radians(),
+        };
+        let swing = self.swing.unwrap_or(0.0).to_radians();
+        let lens = ThinLens::new(focal_length, f_number, focal_length)?.tilted(tilt, swing)?;
+        match (self.focus_distance, self.focus_pixel) {
+            (Some(distance), _) => Ok(lens.focused_at(DVec2::ZERO, distance)?),
+            (None, Some(pixel)) => Ok(lens.focused_at(film.q_from_pixel(pixel.center()), depth_at(pixel)?)?),
+            (None, None) => bail!(
+                "the focus is not known; give --focus-distance, --focus-pixel, --focus-points or --focus-plane"
+            ),
+        }
+    }
+
+    /// The plane of focus where the options give all of it.
+    fn plane(
+        &self,
+        film: &Film,
+        depth_at: impl Fn(Pixel) -> anyhow::Result<f64>,
+    ) -> anyhow::Result<Option<Focus>> {
+        if let Some(Pair(theta, distance)) = self.focus_plane {
+            return Ok(Some(Nakane::new(theta.to_radians(), distance)?.focus()?));
+        }
+        let Some(points) = &self.focus_points else { return Ok(None) };
+        let pick = |pixel: Pixel| anyhow::Ok((film.q_from_pixel(pixel.center()), depth_at(pixel)?));
+        let &[a, b, c] = points.as_slice() else { bail!("--focus-points takes three pixels") };
+        Ok(Some(Focus::through_pixels([pick(a)?, pick(b)?, pick(c)?])?))
+    }
+}

@@ -1,0 +1,75 @@
+//! Values that options are made of.
+
+use std::str::FromStr;
+
+use anyhow::{anyhow, bail};
+use glam::DVec2;
+
+/// A pixel of the picture: column from the left, row from the top of the display window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Pixel {
+    pub(crate) x: i32,
+    pub(crate) y: i32,
+}
+
+impl Pixel {
+    /// Its centre as a continuous coordinate.
+    pub(crate) fn center(self) -> DVec2 {
+        DVec2::new(f64::from(self.x) + 0.5, f64::from(self.y) + 0.5)
+    }
+}
+
+impl FromStr for Pixel {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let (x, y) = halves(text, ',')?;
+        let whole = |part: &str| part.parse().map_err(|_| anyhow!("{part:?} is not a whole number of pixels"));
+        Ok(Self { x: whole(x)?, y: whole(y)? })
+    }
+}
+
+impl std::fmt::Display for Pixel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "({}, {})", self.x, self.y)
+    }
+}
+
+/// Two numbers with a comma between.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Pair(pub(crate) f64, pub(crate) f64);
+
+impl FromStr for Pair {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let (a, b) = halves(text, ',')?;
+        let number = |part: &str| part.parse().map_err(|_| anyhow!("{part:?} is not a number"));
+        Ok(Self(number(a)?, number(b)?))
+    }
+}
+
+/// Width and height in pixels, `1280x720`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Size {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+impl FromStr for Size {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let (width, height) = halves(text, 'x')?;
+        let side = |part: &str| match part.parse() {
+            Ok(side) if (1..=65536).contains(&side) => Ok(side),
+            _ => bail!("{part:?} is not a number of pixels from 1 to 65536"),
+        };
+        Ok(Self { width: side(width)?, height: side(height)? })
+    }
+}
+
+fn halves(text: &str, separator: char) -> anyhow::Result<(&str, &str)> {
+    let (a, b) = text.split_once(separator).ok_or_else(|| anyhow!("two numbers with a {separator:?} between, please"))?;
+    Ok((a.trim(), b.trim()))
+}
