@@ -51,6 +51,16 @@ impl ApertureShape {
         }
     }
 
+    /// Corners of a polygon on the unit circle, in order; none for a disc.
+    pub fn corners(&self) -> impl Iterator<Item = DVec2> + use<> {
+        let (blades, rotation) = match *self {
+            Self::Disc => (0, 0.0),
+            Self::Polygon { blades, rotation } => (blades, rotation),
+        };
+        let wedge = std::f64::consts::TAU / f64::from(blades);
+        (0..blades).map(move |k| DVec2::from_angle(rotation + wedge * f64::from(k)))
+    }
+
     /// Area of the opening; pi for a disc.
     #[must_use]
     pub fn area(&self) -> f64 {
@@ -117,8 +127,13 @@ impl Iris {
         in_range("aperture radius", radius, "0 (pinhole) or positive", |r| r >= 0.0)?;
         let m = normal.try_normalize().unwrap_or(DVec3::NAN);
         in_range("z of the iris normal", m.z, "positive: the iris must face the scene", |z| z > 0.0)?;
+        Ok(Self::across(m, radius, shape))
+    }
+
+    /// The same, of numbers that are right by construction.
+    pub(crate) fn across(m: DVec3, radius: f64, shape: ApertureShape) -> Self {
         let e1 = DVec3::new(m.z, 0.0, -m.x).normalize();
-        Ok(Self { e1, e2: m.cross(e1), m, radius, shape })
+        Self { e1, e2: m.cross(e1), m, radius, shape }
     }
 
     /// An iris parallel to the sensor.

@@ -30,15 +30,34 @@
 //! All lengths in a [`Camera`] are in one unit, the scene's; [`ThinLens`] is in metres or any other one unit.
 
 mod camera;
+mod depth_range;
 mod error;
 mod film;
 mod focus;
+mod focusing;
+mod footprint;
 mod iris;
+mod kernel_model;
+mod line;
+mod moments;
+mod nakane;
+mod overscan;
 mod pose;
+mod thin_lens;
+mod wedge;
 
 pub use camera::{Camera, LensRay};
+pub use depth_range::DepthRange;
 pub use error::OpticsError;
 pub use film::Film;
 pub use focus::Focus;
+pub use footprint::{Footprint, Reading};
 pub use iris::{ApertureShape, Iris};
+pub use kernel_model::{KernelChoice, KernelModel};
+pub use line::{PixelLine, SpaceLine};
+pub use moments::Moments;
+pub use nakane::Nakane;
+pub use overscan::Overscan;
 pub use pose::Pose;
+pub use thin_lens::ThinLens;
+pub use wedge::Wedge;
