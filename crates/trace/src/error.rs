@@ -1,6 +1,5 @@
 //! What cannot be built or rendered, each request with its reason.
 
-use optics::OpticsError;
 use rgbd::Cancelled;
 use thiserror::Error;
 
@@ -68,7 +67,7 @@ pub enum RenderError {
     /// There are no pixels, or some pixel has no sample.
     #[error("no pixels were asked for, or some pixel of {0} has no sample")]
     NoSamples(rgbd::PixelWindow),
-    /// The lens cannot be.
+    /// The layers do not make a frame.
     #[error(transparent)]
-    Optics(#[from] OpticsError),
+    Frame(#[from] rgbd::FrameError),
 }

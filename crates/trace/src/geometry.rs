@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use crate::bounds::Bounds;
 use crate::bvh::Bvh;
 use crate::shape::PlacedShape;
-use crate::triangle::{ShearedRay, Triangle4};
+use crate::triangle::{ShearedRay, Triangle4, TriangleHit};
 use crate::{Ray, SceneError};
 
 /// Names a primitive: a triangle, or a shape after the last triangle.
@@ -120,7 +120,15 @@ impl Geometry {
     }
 
     /// The first surface that the ray meets.
+    #[inline]
     pub(crate) fn hit(&self, ray: &Ray) -> Option<Hit> {
+        self.hit_skipping(ray, None)
+    }
+
+    /// The first surface that the ray meets but the triangle `skip`: the one it leaves.
+    #[inline]
+    pub(crate) fn hit_skipping(&self, ray: &Ray, skip: Option<PrimitiveId>) -> Option<Hit> {
+        let skip = skip.unwrap_or(u32::MAX);
         let sheared = ShearedRay::new(ray);
         let mut nearest: Option<(f64, Found)> = None;
         for &id in &self.endless {
@@ -130,7 +138,7 @@ impl Geometry {
         self.bvh.traverse(ray, t_start, |leaf, mut t_max| {
             let leaf = &self.leaves[leaf];
             for pack in &self.packs[leaf.packs.start as usize..leaf.packs.end as usize] {
-                if let Some(hit) = pack.triangles.hit(&sheared, t_max) {
+                if let Some(hit) = pack.hit(&sheared, t_max, skip) {
                     let t = f64::from(hit.t);
                     if nearest.is_none_or(|(best, _)| t < best) {
                         nearest = Some((t, Found::Triangle { id: pack.ids[hit.lane], weights: hit.weights }));
@@ -188,7 +196,7 @@ impl Geometry {
             let leaf = &self.leaves[leaf];
             let packs = &self.packs[leaf.packs.start as usize..leaf.packs.end as usize];
             let shapes = &self.leaf_shapes[leaf.shapes.start as usize..leaf.shapes.end as usize];
-            blocked = packs.iter().any(|pack| pack.blocks(&sheared, t_far, skip))
+            blocked = packs.iter().any(|pack| pack.hit(&sheared, t_far, skip).is_some())
                 || shapes.iter().any(|&id| self.shapes[id as usize].hit(ray, t_max).is_some());
             if blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(t_far) }
         });
@@ -214,11 +222,11 @@ impl Geometry {
 }
 
 impl Pack {
-    /// Whether one of the triangles but `skip` is hit before `t_max`.
+    /// The nearest hit of the triangles but `skip` before `t_max`.
     #[inline]
-    fn blocks(&self, ray: &ShearedRay, t_max: f32, skip: PrimitiveId) -> bool {
-        let hit = self.triangles.hit(ray, t_max);
-        hit.is_some_and(|hit| self.ids[hit.lane] != skip || self.triangles.without(hit.lane).hit(ray, t_max).is_some())
+    fn hit(&self, ray: &ShearedRay, t_max: f32, skip: PrimitiveId) -> Option<TriangleHit> {
+        let hit = self.triangles.hit(ray, t_max)?;
+        if self.ids[hit.lane] == skip { self.triangles.without(hit.lane).hit(ray, t_max) } else { Some(hit) }
     }
 }
 

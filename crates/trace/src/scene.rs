@@ -40,6 +40,12 @@ impl Scene {
         self.geometry.is_blocked(&ray, 1.0, Some(from.primitive))
     }
 
+    /// The next surface along `direction` from a point of another one, on the side that `normal` points to.
+    pub(crate) fn hit_beyond(&self, from: &Hit, normal: DVec3, direction: DVec3) -> Option<Hit> {
+        let ray = Ray::leaving(from.point, normal, direction);
+        self.geometry.hit_skipping(&ray, Some(from.primitive))
+    }
+
     /// Radiance that comes along a ray: of the first surface, or the sky.
     #[inline]
     #[must_use]
