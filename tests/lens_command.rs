@@ -90,7 +90,7 @@ fn nakanes_plane_and_lens_tilt() {
     assert_near(number(&report, "/lens/tilt_deg"), 7.62, 0.01);
     assert_near(number(&report, "/plane_of_focus/nakane/theta_deg"), 41.2, 1e-9);
     assert_near(number(&report, "/plane_of_focus/nakane/distance_m"), 0.4, 1e-12);
-    assert!(line(&words(&plane), "lens axis").ends_with("(what the plane of focus needs)"));
+    assert!(line(&words(&plane), "lens axis").ends_with("(to suit the plane of focus)"));
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn three_points_of_a_plane_give_back_the_lens_that_made_it() {
     let axis = line(&text, "lens axis");
     assert_eq!(
         axis,
-        "tilt 4.00 degrees down, swing 2.50 degrees left; 4.72 degrees in total (what the three points need)"
+        "tilt 4.00 degrees down, swing 2.50 degrees left; 4.72 degrees in total (to suit the three points)"
     );
     let hinge = line(&text, "hinge");
     assert!(hinge.contains(" below and ") && hinge.contains(" left of it"), "{hinge}");
@@ -148,6 +148,7 @@ fn focus_at_infinity_is_said_as_infinity() {
         assert_near(number(&report, "/blur/largest_of_sky_diameter_px"), 0.0, 1e-9);
         assert!(report["plane_of_focus"]["hinge"].is_null() && report["blur"]["scene"].is_null());
         assert_eq!(line(&words(&format!("{FIFTY} {focus}")), "on the axis"), "sharp at infinity");
+        assert_eq!(line(&words(&format!("{FIFTY} {focus}")), "sky"), "sharp");
     }
 }
 
@@ -225,7 +226,7 @@ fn impossible_requests_end_with_code_2_and_one_line() {
         ("--focal-length 50 --fov 40 --focus-distance 2", "--f-number"),
         ("--focal-length 50 --fov 40 -N 2", "--focus-distance"),
         ("--focal-length 50 --fov 190 -N 2 --focus-distance 2", "--fov is 190"),
-        ("--focal-length -50 --sensor-width 36 -N 2 --focus-distance 2", "--focal-length is -50 mm"),
+        ("--focal-length=-50 --sensor-width 36 -N 2 --focus-distance 2", "--focal-length is -50 mm"),
         ("--focal-length 50 --fov 40 -N 0 --focus-distance 2", "f-number"),
         ("--focal-length 50 --fov 40 -N 2 --focus-distance 0.04", "cannot focus at depth 0.04"),
         ("--focal-length 50 --fov 40 -N 2 --focus-distance 2 --hinge-distance 0.04", "the hinge is 0.04"),
@@ -257,15 +258,17 @@ fn impossible_requests_end_with_code_2_and_one_line() {
 #[test]
 fn help_names_the_unit_of_every_option() {
     let help = words("--help");
-    let units = ["mm", "metres", "degrees", "pixels", "depth", "f-number", "aperture blades"];
-    // Options are paragraphs that begin with a dash; switches have no unit
-    let paragraphs: Vec<String> =
-        help.split("\n\n").map(|text| text.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
-    let options: Vec<&String> = paragraphs.iter().filter(|text| text.contains("--") && text.contains('<')).collect();
-    assert!(options.len() >= 15, "{help}");
-    for option in options.iter().filter(|text| text.trim_start().starts_with('-')) {
-        assert!(units.iter().any(|unit| option.contains(unit)), "no unit: {option}");
+    let units = ["mm", "metres", "degrees", "pixels", "f-number", "aperture blades"];
+    // An option is a line that begins with a dash and what follows it; a switch takes no value and has no unit
+    let options = help.split("\n      --").chain(help.split("\n  -N, --")).skip(1);
+    let mut number_of_options = 0;
+    for option in options.filter(|text| text.lines().next().is_some_and(|line| line.contains('<'))) {
+        let end = option.find("\n  -").or_else(|| option.find("\n\n")).unwrap_or(option.len());
+        let text = option[..end].to_lowercase();
+        assert!(units.iter().any(|unit| text.contains(unit)), "no unit: {text}");
+        number_of_options += 1;
     }
+    assert!(number_of_options >= 15, "{help}");
     for hidden in ["--focus-pixel", "--focus-points", "--metres-per-unit"] {
         assert!(!help.contains(hidden), "{hidden} has no use without a picture");
     }

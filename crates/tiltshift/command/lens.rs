@@ -43,7 +43,7 @@ pub(crate) struct Options {
     /// Radius in pixels of the circle of confusion that still counts as sharp.
     #[arg(long, value_name = "PX", default_value_t = 1.0, help_heading = "What to say")]
     coc: f64,
-    /// Depth of the nearest thing in the picture in metres; half the focus distance on the axis without.
+    /// Depth of the nearest thing in the picture in metres; half the nearest sharp depth without.
     #[arg(long, value_name = "M", help_heading = "What to say")]
     nearest: Option<f64>,
     /// Write JSON instead of words: units are in the names, infinity is the string "inf", and what does not exist is null

@@ -151,8 +151,9 @@ impl Report {
         let Chosen { camera, lens } = chosen;
         let plane_of_focus = Plane::new(camera, lens);
 
-        // Take half the focus distance for the nearest thing where nothing else is known
-        let half_way = || plane_of_focus.depth_on_axis_m.filter(|depth| depth.0.is_finite()).map(|depth| 0.5 * depth.0);
+        // Take half the nearest sharp depth for the nearest thing where nothing else is known
+        let [_, nearest_sharp] = camera.focus.inverse_depth_range(&camera.film);
+        let half_way = || depth(nearest_sharp).filter(|depth| depth.0.is_finite()).map(|depth| 0.5 * depth.0);
         let scene = match asked.nearest.or_else(half_way) {
             Some(nearest) => Some(Scene::new(camera, &DepthRange::new(nearest, f64::INFINITY)?)),
             None => None,

@@ -51,7 +51,7 @@ impl fmt::Display for Lens {
             }
         }
         if let Some(wish) = self.tilt_follows_from {
-            write!(f, " (what the {wish} need{})", if wish.ends_with('s') { "" } else { "s" })?;
+            write!(f, " (to suit the {wish})")?;
         }
         Ok(())
     }
@@ -159,7 +159,11 @@ impl fmt::Display for Limits {
 impl fmt::Display for Blur {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sky = number(self.largest_of_sky_diameter_px, 1);
-        line(f, "sky", format_args!("up to {sky} px diameter"))?;
+        if self.largest_of_sky_diameter_px < 0.05 {
+            line(f, "sky", "sharp")?;
+        } else {
+            line(f, "sky", format_args!("up to {sky} px diameter"))?;
+        }
         let Some(scene) = &self.scene else {
             return line(f, "kernel", "give --nearest to learn what the filter would take");
         };
