@@ -149,6 +149,13 @@ impl Options {
                 bail!("{name} is {angle} degrees; it must be between -90 and 90");
             }
         }
+        if let Some(plane) = lens.focus_plane.filter(|plane| plane.0.is_nan() || plane.0 == 0.0 || plane.0.abs() > 90.0)
+        {
+            bail!("--focus-plane has an angle of {} degrees; it must be between -90 and 90, and not 0", plane.0);
+        }
+        if !(self.coc >= 0.0 && self.coc.is_finite()) {
+            bail!("--coc is {} px; it must be 0 or positive", self.coc);
+        }
         self.check_points()
     }
 
