@@ -6,7 +6,7 @@ use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
 use rgbd::{PixelWindow, Silent};
 use trace::{Material, SceneBuilder, Shape};
 
-const SPP: u32 = 16384;
+const SPP: u32 = 8192;
 /// Edge of the light, as the pinhole sees it.
 const LIGHT_PX: f64 = 3.0;
 /// Radius of the spot that the aperture is chosen for.

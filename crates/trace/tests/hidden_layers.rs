@@ -178,12 +178,13 @@ fn depth_and_hidden_layer_agree_with_the_reference() {
         let [z, hidden_z, hidden_r] =
             ["Z", "L2.Z", "L2.R"].map(|channel| reference_case::plane(&path, channel, window));
         // The first hit, up to pixels whose centre grazes an edge
-        let close = |a: f32, b: f32| a == b || ((a - b) / b).abs() < 1e-4;
+        let close = |share: f32, a: f32, b: f32| a == b || ((a - b) / b).abs() < share;
         let first = &made.frame.layers()[0];
         let area = window.area() as f64;
-        let off = window.pixels().filter(|&(x, y)| !close(first.depth.at(x, y), z.at(x, y))).count();
+        let off = window.pixels().filter(|&(x, y)| !close(1e-5, first.depth.at(x, y), z.at(x, y))).count();
         assert!((off as f64) < 2e-4 * area, "{name}: {off} first depths differ");
-        // The hidden layer: the same 48 points up to their angles, so its rim may differ
+        // The hidden layer: the same 48 points up to their angles, so its rim may differ. Their rays go on beside the
+        // pixel's line, by the same bias as their shadow rays: 9 mm at 100 m
         let second = &made.frame.layers()[1];
         let (mut both, mut either, mut depths_off, mut color_off) = (0, 0, 0, 0.0);
         for (x, y) in window.pixels() {
@@ -191,7 +192,7 @@ fn depth_and_hidden_layer_agree_with_the_reference() {
             either += usize::from(ours || theirs);
             if ours && theirs {
                 both += 1;
-                depths_off += usize::from(!close(second.depth.at(x, y), hidden_z.at(x, y)));
+                depths_off += usize::from(!close(5e-4, second.depth.at(x, y), hidden_z.at(x, y)));
                 color_off += f64::from(second.color.at(x, y)[0] - hidden_r.at(x, y));
             }
         }
