@@ -147,6 +147,12 @@ impl Job<'_> {
             .collect();
         let taps = self.taps(tile, &lenses);
 
+        // Nothing comes of nothing: most of a picture whose data window is small
+        let is_empty = |tap: &Tap| self.surfaces[tap.layer as usize].rgba[tap.index as usize] == [0.0; 4];
+        if taps.iter().all(is_empty) {
+            return vec![[0.0; 4]; tile.area()];
+        }
+
         // Gather the first layer, then all of them where it leaves the iris open
         let first = self.fill(footprint, tile, &lenses, taps.iter().filter(|tap| tap.layer == 0));
         let is_open = |g: &Gathered| g.full < 1.0;

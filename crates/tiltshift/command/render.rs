@@ -65,7 +65,7 @@ pub(crate) struct Quality {
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=16))]
     layers: u8,
     /// Samples per pixel of the RGB-D frame's colour.
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65536))]
     rgbd_spp: u32,
     /// Overscan of the RGB-D frame in pixels on each side; what the lens needs, at most a quarter of the width, without.
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(0..=65536))]
