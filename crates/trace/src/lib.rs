@@ -1,1 +1,56 @@
 //! A distributed ray tracer whose lens tilts, swings and shifts.
+//!
+//! Cook, Porter, Carpenter, "Distributed Ray Tracing" (SIGGRAPH 1984): a pixel is the mean over its area and over the
+//! iris. The camera of crate `optics` makes the rays; nothing here knows how large a blur should be.
+//!
+//! ```
+//! use glam::{DAffine3, DVec2, DVec3, Vec3};
+//! use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
+//! use rgbd::{PixelWindow, Silent};
+//! use trace::{Material, SceneBuilder, Shape};
+//!
+//! let mut builder = SceneBuilder::new();
+//! let glow = builder.material(Material::glowing(Vec3::ONE));
+//! builder.shape(Shape::Sphere, DAffine3::from_translation(DVec3::new(0.0, 0.0, -5.0)), glow)?;
+//! let scene = builder.build()?;
+//! let camera = Camera {
+//!     pose: Pose::IDENTITY,
+//!     film: Film::from_fov(1.0, 32, 32)?,
+//!     focus: Focus::at_depth(5.0)?,
+//!     iris: Iris::upright(0.1, ApertureShape::Disc)?,
+//! };
+//! let truth = trace::truth(&scene, &camera, PixelWindow::of_size(32, 32), 16, 1, &Silent)?;
+//! assert_eq!(truth.picture().at(16, 16), [1.0; 4]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod accumulation;
+mod bounds;
+mod bvh;
+mod error;
+mod file;
+mod geometry;
+mod layers;
+mod light;
+mod material;
+mod pixels;
+mod ray;
+mod render;
+mod sampler;
+mod scene;
+mod shape;
+mod triangle;
+
+pub use accumulation::Accumulation;
+pub use error::{RenderError, SceneError};
+pub use file::{FileError, SceneFile, Shot};
+pub use geometry::Hit;
+pub use layers::{LayerSettings, LayeredFrame, Margin, layers};
+pub use light::Light;
+pub use material::{Material, Pigment};
+pub use pixels::Pixels;
+pub use ray::Ray;
+pub use render::{render, truth, truth_to_noise};
+pub use sampler::MAX_SAMPLES;
+pub use scene::{MAX_RADIANCE, MaterialId, Scene, SceneBuilder};
+pub use shape::Shape;

@@ -1,0 +1,279 @@
+//! A scene file, read and checked.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec3};
+use toml::Spanned;
+
+use super::error::{Fault, FileError};
+use super::mesh::Mesh;
+use super::shot::{Shot, ShotTables};
+use super::spec::{
+    AxesSpec, FileSpec, LightSpec, MaterialSpec, MeshSpec, ObjectSpec, PlacementSpec, ShapeSpec, ShotSpec,
+};
+use crate::{Light, Material, MaterialId, Pigment, Scene, SceneBuilder, Shape};
+
+/// A scene and its shots, from a TOML file.
+#[derive(Debug, Clone)]
+pub struct SceneFile {
+    path: PathBuf,
+    description: String,
+    scene: Scene,
+    base: Option<Shot>,
+    shots: BTreeMap<String, Shot>,
+}
+
+impl SceneFile {
+    /// Reads a file and the meshes it names; every shot is checked.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads a scene from text; `path` is what errors call it, and meshes are looked for beside it.
+    pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let spec: FileSpec =
+            toml::from_str(text).map_err(|source| FileError::Syntax { path: path.into(), source: Box::new(source) })?;
+        if spec.format != 1 {
+            return Err(FileError::Version { path: path.into(), found: spec.format });
+        }
+        let reader = Reader { path, text, spec: &spec };
+        let tables = ShotTables { camera: spec.camera.clone(), lens: spec.lens.clone(), film: spec.film.clone() };
+        let base = if tables.is_given() {
+            let shot = tables.resolve(&spec.description, spec.metres_per_unit);
+            Some(shot.map_err(|fault| reader.part("[camera], [lens], [film]", &fault))?)
+        } else {
+            None
+        };
+        let mut shots = BTreeMap::new();
+        for (name, shot) in &spec.shots {
+            let tables = reader.shot_tables(shot, &tables)?;
+            let resolved = tables.resolve(&shot.description, spec.metres_per_unit);
+            let resolved = resolved.map_err(|fault| reader.part(&format!("[shots.{name}]"), &fault))?;
+            shots.insert(name.clone(), resolved);
+        }
+        Ok(Self { path: path.into(), description: spec.description.clone(), scene: reader.scene()?, base, shots })
+    }
+
+    /// What the file says about itself.
+    #[must_use]
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The shots by name.
+    #[must_use]
+    pub fn shots(&self) -> &BTreeMap<String, Shot> {
+        &self.shots
+    }
+
+    /// The named shot; without a name the file's own camera, lens and film.
+    pub fn shot(&self, name: Option<&str>) -> Result<&Shot, FileError> {
+        let shot = match name {
+            Some(name) => self.shots.get(name),
+            None => self.base.as_ref(),
+        };
+        shot.ok_or_else(|| FileError::NoSuchShot {
+            path: self.path.clone(),
+            name: name.unwrap_or("(the file's own camera)").to_owned(),
+            known: names(&self.shots),
+        })
+    }
+}
+
+/// A file's text and what was read from it.
+struct Reader<'a> {
+    path: &'a Path,
+    text: &'a str,
+    spec: &'a FileSpec,
+}
+
+impl Reader<'_> {
+    fn part(&self, part: &str, fault: &Fault) -> FileError {
+        FileError::Part { path: self.path.into(), part: part.to_owned(), message: fault.to_string() }
+    }
+
+    fn line<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> FileError {
+        let before = self.text.get(..at.span().start).unwrap_or_default();
+        let line = before.matches('\n').count() + 1;
+        FileError::Line { path: self.path.into(), line, message: message.into() }
+    }
+
+    /// What a reference names, or an error that lists what there is.
+    fn find<'m, T>(
+        &self,
+        kind: &str,
+        name: &Spanned<String>,
+        known: &'m BTreeMap<String, T>,
+    ) -> Result<&'m T, FileError> {
+        known.get(name.get_ref()).ok_or_else(|| {
+            self.line(name, format!("there is no {kind} {:?} ({kind}s: {})", name.get_ref(), names(known)))
+        })
+    }
+
+    /// A shot's tables over those of the shots it builds on, over the file's.
+    fn shot_tables(&self, shot: &ShotSpec, base: &ShotTables) -> Result<ShotTables, FileError> {
+        // Follow the chain to its end
+        let mut chain = vec![shot];
+        while let Some(from) = chain.last().and_then(|shot| shot.from.as_ref()) {
+            if chain.len() > self.spec.shots.len() {
+                return Err(self.line(from, "these shots build on each other in a circle"));
+            }
+            chain.push(self.find("shot", from, &self.spec.shots)?);
+        }
+        Ok(chain.iter().rev().fold(base.clone(), |base, shot| ShotTables {
+            camera: shot.camera.over(&base.camera),
+            lens: shot.lens.over(&base.lens),
+            film: shot.film.over(&base.film),
+        }))
+    }
+
+    fn scene(&self) -> Result<Scene, FileError> {
+        let mut builder = SceneBuilder::new();
+        if let Some(metres) = self.spec.metres_per_unit {
+            builder.metres_per_unit(metres).map_err(|error| self.part("metres_per_unit", &error.into()))?;
+        }
+        if let Some(sky) = self.spec.sky {
+            builder.sky(sky.0.as_vec3());
+        }
+        for (name, light) in &self.spec.lights {
+            let light = self::light(light).map_err(|fault| self.part(&format!("[lights.{name}]"), &fault))?;
+            builder.light(light);
+        }
+        let mut materials = BTreeMap::new();
+        for (name, spec) in &self.spec.materials {
+            let material = material(spec).map_err(|fault| self.part(&format!("[materials.{name}]"), &fault))?;
+            materials.insert(name.clone(), builder.material(material));
+        }
+        let mut meshes = BTreeMap::new();
+        for (name, spec) in &self.spec.meshes {
+            meshes.insert(name.clone(), self.mesh(name, spec)?);
+        }
+        for object in &self.spec.objects {
+            self.add_object(&mut builder, object, &materials, &meshes)?;
+        }
+        builder.build().map_err(|error| self.part("the scene", &error.into()))
+    }
+
+    fn mesh(&self, name: &str, spec: &MeshSpec) -> Result<Mesh, FileError> {
+        match (&spec.file, &spec.vertices, &spec.triangles) {
+            (Some(file), None, None) => Mesh::read(&self.path.parent().unwrap_or(Path::new("")).join(file)),
+            (None, Some(vertices), Some(triangles)) => {
+                let mut mesh = Mesh { triangles: triangles.clone(), ..Mesh::default() };
+                mesh.vertices = vertices.iter().map(|&v| DVec3::from_array(v)).collect();
+                let plain = mesh.add_default_material();
+                mesh.material_of = vec![plain; triangles.len()];
+                Ok(mesh)
+            }
+            _ => {
+                let fault = Fault::Says("a mesh needs a file, or vertices and triangles".to_owned());
+                Err(self.part(&format!("[meshes.{name}]"), &fault))
+            }
+        }
+    }
+
+    fn add_object(
+        &self,
+        builder: &mut SceneBuilder,
+        object: &ObjectSpec,
+        materials: &BTreeMap<String, MaterialId>,
+        meshes: &BTreeMap<String, Mesh>,
+    ) -> Result<(), FileError> {
+        let own_material = object.material.as_ref().map(|name| self.find("material", name, materials)).transpose()?;
+        let unplaced = [Spanned::new(0..0, PlacementSpec::default())];
+        let placements = object.placements.as_deref().unwrap_or(&unplaced);
+        match (&object.shape, &object.mesh) {
+            (Some(name), None) => {
+                let (shape, placed_from_local) = shape(self.find("shape", name, &self.spec.shapes)?);
+                let material = *own_material.ok_or_else(|| self.line(name, "a shape needs a material"))?;
+                for placement in placements {
+                    let world_from_local = world_from_placed(placement.get_ref()) * placed_from_local;
+                    let added = builder.shape(shape, world_from_local, material);
+                    added.map_err(|error| self.line(placement, error.to_string()))?;
+                }
+            }
+            (None, Some(name)) => {
+                let mesh = self.find("mesh", name, meshes)?;
+                let theirs: Vec<MaterialId> = match own_material {
+                    Some(_) => Vec::new(),
+                    None => mesh.materials.iter().map(|&material| builder.material(material)).collect(),
+                };
+                let material_of =
+                    |i: usize| own_material.copied().unwrap_or_else(|| theirs[mesh.material_of[i] as usize]);
+                for placement in placements {
+                    let map = world_from_placed(placement.get_ref());
+                    let added = builder.mesh(&mesh.vertices, &mesh.triangles, material_of, map);
+                    added.map_err(|error| self.line(placement, error.to_string()))?;
+                }
+            }
+            _ => {
+                let fault = Fault::Says("each object names either a shape or a mesh".to_owned());
+                return Err(self.part("[[objects]]", &fault));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The names of a table, for an error.
+fn names<T>(table: &BTreeMap<String, T>) -> String {
+    if table.is_empty() { "none".to_owned() } else { table.keys().cloned().collect::<Vec<_>>().join(", ") }
+}
+
+fn light(spec: &LightSpec) -> Result<Light, Fault> {
+    Ok(match *spec {
+        LightSpec::Ambient { strength } => Light::Ambient { strength: strength.0.as_vec3() },
+        LightSpec::Sun { toward, strength } => Light::sun(DVec3::from_array(toward), strength.0.as_vec3())?,
+    })
+}
+
+fn material(spec: &MaterialSpec) -> Result<Material, Fault> {
+    let pigment = match (&spec.color, &spec.checker) {
+        (Some(_), Some(_)) => return Fault::says("give a color or a checker, not both"),
+        (None, None) if spec.emission.is_none() => return Fault::says("give a color, a checker or an emission"),
+        (None, None) => Pigment::Constant(Vec3::ZERO),
+        (Some(color), None) => Pigment::Constant(color.0.as_vec3()),
+        (None, Some(checker)) => Pigment::Checker {
+            colors: checker.colors.map(|color| color.0.as_vec3()),
+            side: checker.side,
+            axes: match checker.axes {
+                AxesSpec::Xz => [0, 2],
+                AxesSpec::Xy => [0, 1],
+                AxesSpec::Yz => [1, 2],
+            },
+        },
+    };
+    Ok(Material { pigment, emission: spec.emission.map_or(Vec3::ZERO, |emission| emission.0.as_vec3()) })
+}
+
+/// The canonical shape, and its map to the size asked for.
+fn shape(spec: &ShapeSpec) -> (Shape, DAffine3) {
+    let (shape, scale) = match *spec {
+        ShapeSpec::Plane { size: None } => (Shape::Plane, DVec3::ONE),
+        ShapeSpec::Plane { size: Some([x, z]) } => (Shape::Rectangle, DVec3::new(0.5 * x, 1.0, 0.5 * z)),
+        ShapeSpec::Box { size } => (Shape::Cuboid, 0.5 * size.0),
+        ShapeSpec::Sphere { radius } => (Shape::Sphere, DVec3::splat(radius)),
+        ShapeSpec::Cylinder { radius, height } => (Shape::Cylinder, DVec3::new(radius, height, radius)),
+        ShapeSpec::Cone { radius, height } => (Shape::Cone, DVec3::new(radius, height, radius)),
+    };
+    (shape, DAffine3::from_scale(scale))
+}
+
+/// Scales, then turns about z, x and y in this order, then moves.
+fn world_from_placed(spec: &PlacementSpec) -> DAffine3 {
+    let [x, y, z] = spec.rotate_deg.unwrap_or_default().map(f64::to_radians);
+    DAffine3::from_scale_rotation_translation(
+        spec.scale.map_or(DVec3::ONE, |scale| scale.0),
+        DQuat::from_euler(EulerRot::YXZ, y, x, z),
+        DVec3::from_array(spec.translate.unwrap_or_default()),
+    )
+}

@@ -1,0 +1,179 @@
+//! What a filter needs: colour and depth in layers, with what lies hidden and what lies outside the picture.
+
+mod candidates;
+mod hidden;
+mod lens_points;
+mod margin;
+
+use optics::Camera;
+use rayon::prelude::*;
+use rgbd::{Cancelled, Frame, Layer, Mask, Picture, PixelWindow, Plane, Progress};
+
+use crate::layers::hidden::{Surface, Walk};
+use crate::{RenderError, Scene, render};
+
+/// How far the data window reaches beyond the display window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Margin {
+    /// As far as rays through the lens of the outermost pixels go, up to a share of the picture's width on each side.
+    Needed {
+        /// The largest margin over the width, 0 or more.
+        cap: f64,
+    },
+    /// This many pixels on each side.
+    Pixels(u32),
+}
+
+/// What to write into an RGB-D frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LayerSettings {
+    /// Number of layers, at least 1; all after the first are hidden ones.
+    pub count: usize,
+    /// The margin around the picture.
+    pub margin: Margin,
+    /// Samples per pixel of the first layer's colour.
+    pub color_samples: u32,
+    /// Seed of these samples.
+    pub seed: u64,
+}
+
+impl Default for LayerSettings {
+    /// Two layers, the margin that is needed up to a quarter of the width, 64 samples.
+    fn default() -> Self {
+        Self { count: 2, margin: Margin::Needed { cap: 0.25 }, color_samples: 64, seed: 1 }
+    }
+}
+
+/// An RGB-D frame, and whether its margin is all that the lens needs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayeredFrame {
+    /// The frame; its camera is the one with the lens.
+    pub frame: Frame,
+    /// Columns and rows on each side that rays through the lens reach.
+    pub needed_margin: [u32; 2],
+    /// Columns and rows on each side that the data window has.
+    pub margin: [u32; 2],
+}
+
+impl LayeredFrame {
+    /// Whether rays through the lens leave the data window.
+    #[must_use]
+    pub fn is_capped(&self) -> bool {
+        self.margin[0] < self.needed_margin[0] || self.margin[1] < self.needed_margin[1]
+    }
+}
+
+/// Makes the RGB-D frame of a view.
+///
+/// The first layer holds the pinhole picture, its colour the average over the pixel, its depth that of the first hit at
+/// the pixel's centre (+inf where there is none). Each further layer holds at the pixel's centre the next surface that
+/// at least one of 48 points of the camera's own iris sees, alpha 1, or nothing, alpha 0 and depth unknown. Its colour
+/// is the average of those of 16 samples of the pixel that hit the same surface. Back faces, and so the insides of
+/// solids, are left out. Every ray is traced; no blur size is computed.
+pub fn layers(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &LayerSettings,
+    progress: &dyn Progress,
+) -> Result<LayeredFrame, RenderError> {
+    // Find out how much is needed around the picture
+    let display = PixelWindow::of_size(camera.film.width(), camera.film.height());
+    let needed_margin = margin::needed(scene, camera);
+    let margin = match settings.margin {
+        Margin::Pixels(pixels) => [pixels; 2],
+        Margin::Needed { cap } => {
+            let cap = (cap.max(0.0) * f64::from(display.width)).ceil() as u32;
+            needed_margin.map(|pixels| pixels.min(cap))
+        }
+    };
+    let window = display.grown(margin[0], margin[1]);
+
+    // Take the pinhole picture
+    let pinhole = camera.pinhole();
+    let samples = 0..settings.color_samples.div_ceil(2);
+    let color_progress = Share { whole: progress, from: 0, to: 500 };
+    let color = render(scene, &pinhole, &window.into(), samples, settings.seed, &color_progress)?.picture();
+    let depth = first_depth(scene, &pinhole, window);
+
+    // Look behind it where the lens can
+    let mut found = vec![Vec::new(); window.area()];
+    if settings.count > 1 && camera.iris.radius() > 0.0 {
+        let walk = Walk::new(scene, camera, settings.count - 1);
+        let candidates = candidates::near_edges(&depth, camera);
+        let rows = Rows { progress: &Share { whole: progress, from: 500, to: 1000 }, total: window.height };
+        found.par_chunks_mut(window.width as usize).enumerate().try_for_each(|(row, found)| {
+            for (column, surfaces) in found.iter_mut().enumerate() {
+                let (x, y) = (window.x + column as i32, window.y + row as i32);
+                if candidates.at(x, y) {
+                    *surfaces = walk.hidden_surfaces(x, y);
+                }
+            }
+            rows.finish(row)
+        })?;
+    }
+
+    // Put the layers together
+    let known = Mask::filled(window, true);
+    let mut layers = vec![Layer { color, depth, known }];
+    layers.extend((1..settings.count).map(|index| hidden_layer(window, &found, index - 1)));
+    let mut frame = Frame::new(display, layers)?;
+    frame.camera = Some(*camera);
+    frame.metres_per_unit = scene.metres_per_unit();
+    Ok(LayeredFrame { frame, needed_margin, margin })
+}
+
+/// Planar depth of the first hit at the pixel centres.
+fn first_depth(scene: &Scene, pinhole: &Camera, window: PixelWindow) -> Plane {
+    let mut depth = Plane::filled(window, f32::INFINITY);
+    depth.values_mut().par_chunks_mut(window.width as usize).enumerate().for_each(|(row, depths)| {
+        for (column, depth) in depths.iter_mut().enumerate() {
+            let (x, y) = (window.x + column as i32, window.y + row as i32);
+            let ray = hidden::pinhole_ray(pinhole, f64::from(x) + 0.5, f64::from(y) + 0.5);
+            if let Some(hit) = scene.hit(&ray) {
+                *depth = pinhole.pose.point_to_camera(hit.point).z as f32;
+            }
+        }
+    });
+    depth
+}
+
+/// The layer of every pixel's `index`-th hidden surface.
+fn hidden_layer(window: PixelWindow, found: &[Vec<Surface>], index: usize) -> Layer {
+    let at = |x: i32, y: i32| found[window.index(x, y)].get(index);
+    let color = Picture::from_fn(window, |x, y| {
+        at(x, y).map_or([0.0; 4], |surface| [surface.color.x, surface.color.y, surface.color.z, 1.0])
+    });
+    let depth = Plane::from_fn(window, |x, y| at(x, y).map_or(f32::INFINITY, |surface| surface.depth));
+    let known = Mask::from_fn(window, |x, y| at(x, y).is_some());
+    Layer { color, depth, known }
+}
+
+/// Work that is a part of a whole of 1000 steps.
+struct Share<'a> {
+    whole: &'a dyn Progress,
+    from: u64,
+    to: u64,
+}
+
+impl Progress for Share<'_> {
+    fn report(&self, done: u64, total: u64) {
+        self.whole.report(self.from + (self.to - self.from) * done / total.max(1), 1000);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.whole.is_cancelled()
+    }
+}
+
+/// Rows that are finished one by one.
+struct Rows<'a> {
+    progress: &'a dyn Progress,
+    total: u32,
+}
+
+impl Rows<'_> {
+    fn finish(&self, row: usize) -> Result<(), Cancelled> {
+        self.progress.report(row as u64 + 1, u64::from(self.total));
+        if self.progress.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+}
