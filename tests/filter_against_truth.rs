@@ -87,29 +87,40 @@ fn a_swing_of_the_wrong_sign_falls_through_the_floor() {
     check_flipped(DVec3::new(-1.0, 1.0, 1.0), |w| w.x.abs() > 1e-6, 1);
 }
 
-/// Mirrored about the plane of focus every pixel has the blur it had, of the other sign: what was before the plane lies
-/// behind it. The interior cannot tell, since a disc is the same upside down; edges can.
+/// Mirrored about the plane of focus every pixel has the blur it had, of the other sign: what stood before the plane is
+/// behind it. The interior cannot tell, since a disc is the same upside down; edges can, since what hid is hidden.
 #[test]
 fn a_defocus_of_the_wrong_sign_falls_through_the_floor_at_edges() {
+    /// How far below its floor, dB: six times the error. Measured: 9.8 to 15.1.
+    const WIDE_AT_EDGES_DB: f64 = 8.0;
     let mut table = Table::new("Depth mirrored about the plane of focus: defocus of the wrong sign");
+    let mut mirrors = 0;
     for Filtered { shot, traced, .. } in filtered() {
+        // On the miniature some of the mirrored ground would be behind the camera
         let Some(frame) = mirrored(&traced.frame, &traced.camera) else { continue };
-        let score = traced.score_of(&frame, &traced.camera, rung(3));
-        table.row(shot.name, RUNGS[3], score, Some(shot.floor(3)));
+        let (score, floor) = (traced.score_of(&frame, &traced.camera, rung(3)), shot.floor(3));
+        table.row(shot.name, RUNGS[3], score, Some(floor));
+        mirrors += 1;
+        let edges = score.edges();
+        assert!(edges < floor.edges() - WIDE_AT_EDGES_DB, "{}: {edges:.2} dB with a wrong sign", shot.name);
     }
     table.print();
+    assert_eq!(mirrors, 6);
 }
 
-/// A three-bladed iris is not the same upside down: with D of the wrong sign every highlight and corner is.
+/// A three-bladed iris is not the same upside down, and so the interior too can tell the sign of D.
 #[test]
 fn a_defocus_of_the_wrong_sign_turns_a_three_bladed_iris_upside_down() {
+    const FLOOR_DB: f64 = 45.0;
     let blades = |rotation| ApertureShape::polygon(3, rotation).expect("three blades");
-    let traced = Traced::new(&scene("simple"), "blur", 128, Some(blades(0.3)));
+    let traced = Traced::new(&scene("landscape"), "miniature", 128, Some(blades(0.3)));
     let upside_down = with_shape(&traced.camera, blades(0.3 + std::f64::consts::PI));
     let right = traced.score(rung(3));
     let wrong = traced.score_of(&traced.frame, &upside_down, rung(3));
     let mut table = Table::new("Three blades");
-    table.row("simple/blur", "as traced", right, None);
-    table.row("simple/blur", "upside down", wrong, None);
+    table.row("landscape/miniature", "as traced", right, None);
+    table.row("landscape/miniature", "upside down", wrong, None);
     table.print();
+    assert!(right.all() >= FLOOR_DB, "{:.2} dB with the right sign", right.all());
+    assert!(wrong.all() < FLOOR_DB - WIDE_DB, "{:.2} dB with a wrong sign", wrong.all());
 }

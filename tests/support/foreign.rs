@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
-use filter::{FrameView, Method};
+use filter::{FrameView, GatherSettings, Method};
 use glam::DVec2;
 use optics::{ApertureShape, Camera, Film, Pose, ThinLens};
 use rgbd::{Frame, Picture, PixelWindow, Plane, ReadOptions, Silent, read_frame, write_png};
+
+/// Where blur is cut, so that an empty background at infinity does not make the test slow.
+const LARGEST_RADIUS_PX: f32 = 16.0;
 
 /// A frame without a camera of its own, and the film that belongs to it.
 pub(crate) struct Foreign {
@@ -33,16 +36,34 @@ impl Foreign {
         Self { name: name.to_owned(), frame: frame.covering(display), film }
     }
 
+    /// The picture proper.
+    pub(crate) fn display(&self) -> PixelWindow {
+        self.frame.display
+    }
+
+    /// The pixels that the file holds something in.
+    pub(crate) fn content(&self) -> PixelWindow {
+        let [.., alpha] = self.frame.layers()[0].color.planes();
+        let filled = alpha.window().pixels().filter(|&(x, y)| alpha.at(x, y) > 0.0);
+        let pixel = |(x, y)| PixelWindow { x, y, width: 1, height: 1 };
+        filled.map(pixel).reduce(|all, pixel| all.union(&pixel)).expect("a pixel that is not empty")
+    }
+
     /// The picture of `window` through `lens`, moved until pixel `focus` is sharp.
     pub(crate) fn take(&self, lens: ThinLens, focus: (i32, i32), window: PixelWindow) -> Taken {
         let (frame, film) = (&self.frame, self.film);
 
         // Focus at the depth of the pixel
         let ((x, y), layer) = (focus, &frame.layers()[0]);
-        assert!(layer.known.at(x, y) && layer.depth.at(x, y).is_finite(), "{}: there is something at {focus:?}", self.name);
+        assert!(
+            layer.known.at(x, y) && layer.depth.at(x, y).is_finite(),
+            "{}: there is something at {focus:?}",
+            self.name
+        );
         let q = film.q_from_pixel(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
         let lens = lens.focused_at(q, f64::from(layer.depth.at(x, y))).expect("a depth that the lens can focus at");
-        let camera = lens.camera(Pose::IDENTITY, film, lens.iris(ApertureShape::Disc)).expect("a lens seen from its front");
+        let camera =
+            lens.camera(Pose::IDENTITY, film, lens.iris(ApertureShape::Disc)).expect("a lens seen from its front");
         let taken = self.filtered(&camera, window);
 
         // Leave the pictures where they can be looked at
@@ -56,26 +77,29 @@ impl Foreign {
 
     fn filtered(&self, camera: &Camera, window: PixelWindow) -> Taken {
         let view = FrameView::whole(&self.frame);
+        // What blurs more than the limit is empty or even background, which looks the same however far it is spread
+        let settings = GatherSettings { max_radius_px: Some(LARGEST_RADIUS_PX), ..GatherSettings::default() };
         let apply = |method| {
             let filtered = filter::apply(&view, camera, &method, window, &Silent);
             filtered.expect("a frame of the camera's size").picture
         };
         let coc = filter::coc_radius_px(&view, camera).cropped(window);
-        Taken { unfiltered: apply(Method::Pinhole), picture: apply(Method::default()), coc }
+        Taken { unfiltered: apply(Method::Pinhole), picture: apply(Method::Gather(settings)), coc }
     }
 }
 
 impl Taken {
-    /// Whether every value is a number and every alpha a share.
+    /// Whether every value is a number, no colour is negative, and every alpha a share.
     pub(crate) fn is_sound(&self) -> bool {
         const ROUNDING: f32 = 1e-5; // of a sum of a few thousand weights
-        let finite = self.picture.planes().iter().all(|plane| plane.values().iter().all(|value| value.is_finite()));
+        let is_light = |value: &f32| value.is_finite() && *value >= 0.0;
+        let finite = self.picture.planes().iter().all(|plane| plane.values().iter().all(is_light));
         let [.., alpha] = self.picture.planes();
         finite && alpha.values().iter().all(|alpha| (0.0..=1.0 + ROUNDING).contains(alpha))
     }
 
-    /// How much detail is left where the radius of the circle of confusion lies within `radii`: the sum of differences
-    /// from pixel to pixel of the luminance, over that of the unfiltered picture.
+    /// How much detail is left where the radius of the circle of confusion lies within `radii`: the sum of squared
+    /// differences of luminance from pixel to pixel, over that of the unfiltered picture.
     pub(crate) fn detail_left(&self, radii: std::ops::Range<f32>) -> f64 {
         let window = self.picture.window();
         let inner = PixelWindow::from_corners(window.x, window.y, window.x_end() - 1, window.y_end() - 1);
@@ -84,17 +108,18 @@ impl Taken {
             let chosen = inner.pixels().filter(|&(x, y)| blurs(x, y));
             let steps = chosen.map(|(x, y)| {
                 let here = luminance(picture, x, y);
-                (luminance(picture, x + 1, y) - here).abs() + (luminance(picture, x, y + 1) - here).abs()
+                (luminance(picture, x + 1, y) - here).powi(2) + (luminance(picture, x, y + 1) - here).powi(2)
             });
             steps.sum()
         };
         detail(&self.picture) / detail(&self.unfiltered)
     }
 
-    /// Mean luminance of a part over that of the unfiltered picture.
-    pub(crate) fn brightness(&self, part: PixelWindow) -> f64 {
-        let sum = |picture: &Picture| part.pixels().map(|(x, y)| luminance(picture, x, y)).sum::<f64>();
-        sum(&self.picture) / sum(&self.unfiltered)
+    /// Mean luminance of a part, unfiltered and filtered.
+    pub(crate) fn brightness(&self, part: PixelWindow) -> [f64; 2] {
+        let mean =
+            |picture: &Picture| part.pixels().map(|(x, y)| luminance(picture, x, y)).sum::<f64>() / part.area() as f64;
+        [mean(&self.unfiltered), mean(&self.picture)]
     }
 
     /// The strips of `width` pixels along top, bottom, left and right.
