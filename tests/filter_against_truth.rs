@@ -13,6 +13,7 @@ mod support {
 use compare::MaskKind;
 use glam::DVec3;
 use optics::{ApertureShape, Focus};
+use support::score::Score;
 use support::shots::{Filtered, RUNGS, filtered, rung};
 use support::table::Table;
 use support::traced::{Traced, mirrored, scene, with_shape};
@@ -111,16 +112,20 @@ fn a_defocus_of_the_wrong_sign_falls_through_the_floor_at_edges() {
 /// A three-bladed iris is not the same upside down, and so the interior too can tell the sign of D.
 #[test]
 fn a_defocus_of_the_wrong_sign_turns_a_three_bladed_iris_upside_down() {
-    const FLOOR_DB: f64 = 45.0;
+    /// Measured less the slack of the shots' floors.
+    const FLOOR: Score = Score([48.6, 47.0, 52.2]);
+    /// How far below its floor, dB: four times the error. Measured: 7.9.
+    const WIDE_DB: f64 = 6.0;
     let blades = |rotation| ApertureShape::polygon(3, rotation).expect("three blades");
     let traced = Traced::new(&scene("landscape"), "miniature", 128, Some(blades(0.3)));
     let upside_down = with_shape(&traced.camera, blades(0.3 + std::f64::consts::PI));
     let right = traced.score(rung(3));
     let wrong = traced.score_of(&traced.frame, &upside_down, rung(3));
     let mut table = Table::new("Three blades");
-    table.row("landscape/miniature", "as traced", right, None);
+    table.row("landscape/miniature", "as traced", right, Some(FLOOR));
     table.row("landscape/miniature", "upside down", wrong, None);
     table.print();
-    assert!(right.all() >= FLOOR_DB, "{:.2} dB with the right sign", right.all());
-    assert!(wrong.all() < FLOOR_DB - WIDE_DB, "{:.2} dB with a wrong sign", wrong.all());
+    let short = right.shortfalls("three blades", FLOOR);
+    assert!(short.is_empty(), "{}", short.join("\n"));
+    assert!(wrong.all() < FLOOR.all() - WIDE_DB, "{:.2} dB with a wrong sign", wrong.all());
 }
