@@ -40,15 +40,11 @@ impl std::fmt::Display for Failure {
 
 impl From<anyhow::Error> for Failure {
     fn from(error: anyhow::Error) -> Self {
-        // A cancelled stage is no fault of the input, however deep it sits
-        if error.chain().any(|cause| cause.is::<rgbd::Cancelled>()) {
-            return Self::Interrupted;
-        }
         Self::Input(error)
     }
 }
 
-/// Library errors become bad input unless they are a cancellation.
+/// Library errors are bad input; that a stage was cancelled is noticed where commands end.
 macro_rules! input_errors {
     ($($error:ty),*) => {$(
         impl From<$error> for Failure {

@@ -1,7 +1,7 @@
 //! Options that say what lens is wanted, and the camera they make.
 
 use anyhow::{Context, anyhow, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use glam::DVec2;
 use optics::{ApertureShape, Camera, Film, Focus, Nakane, Pose, ThinLens};
 
@@ -179,18 +179,14 @@ impl LensOptions {
         match (self.focus_distance, self.focus_pixel) {
             (Some(distance), _) => Ok(lens.focused_at(DVec2::ZERO, distance)?),
             (None, Some(pixel)) => Ok(lens.focused_at(film.q_from_pixel(pixel.center()), depth_at(pixel)?)?),
-            (None, None) => bail!(
-                "the focus is not known; give --focus-distance, --focus-pixel, --focus-points or --focus-plane"
-            ),
+            (None, None) => {
+                bail!("the focus is not known; give --focus-distance, --focus-pixel, --focus-points or --focus-plane")
+            }
         }
     }
 
     /// The plane of focus where the options give all of it.
-    fn plane(
-        &self,
-        film: &Film,
-        depth_at: impl Fn(Pixel) -> anyhow::Result<f64>,
-    ) -> anyhow::Result<Option<Focus>> {
+    fn plane(&self, film: &Film, depth_at: impl Fn(Pixel) -> anyhow::Result<f64>) -> anyhow::Result<Option<Focus>> {
         if let Some(Pair(theta, distance)) = self.focus_plane {
             return Ok(Some(Nakane::new(theta.to_radians(), distance)?.focus()?));
         }

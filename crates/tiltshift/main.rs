@@ -5,6 +5,7 @@ mod console;
 mod failure;
 mod files;
 mod lens_options;
+mod read_arguments;
 mod values;
 
 use std::process::ExitCode;
@@ -29,7 +30,7 @@ enum Command {
     /// Trace a scene through a tilted lens: the ground truth, and the RGB-D frame that filters need.
     Render(command::render::Options),
     /// Put a tilt-shift lens onto an RGB-D picture of any renderer.
-    Filter(command::filter::Options),
+    Filter(Box<command::filter::Options>),
     /// Say how far pictures are from a reference, and where.
     Compare(command::compare::Options),
     /// Say what a lens setting means: plane of focus, hinge, depth of field.

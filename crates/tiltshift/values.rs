@@ -70,6 +70,7 @@ impl FromStr for Size {
 }
 
 fn halves(text: &str, separator: char) -> anyhow::Result<(&str, &str)> {
-    let (a, b) = text.split_once(separator).ok_or_else(|| anyhow!("two numbers with a {separator:?} between, please"))?;
+    let (a, b) =
+        text.split_once(separator).ok_or_else(|| anyhow!("two numbers with a {separator:?} between, please"))?;
     Ok((a.trim(), b.trim()))
 }

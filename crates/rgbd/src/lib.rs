@@ -83,6 +83,7 @@ pub use progress::{Cancelled, Progress, Silent};
 pub use read::{Loaded, read_frame, read_picture, read_truth, survey_file};
 pub use read_error::ReadError;
 pub use read_options::ReadOptions;
+pub use replace::replace_file;
 pub use survey::{ChannelSurvey, PartSurvey, SampleKind, Survey};
 pub use truth::Truth;
 pub use write::{Notes, WriteOptions, write_frame, write_picture, write_truth};

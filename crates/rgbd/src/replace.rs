@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Writes `bytes` beside `path` and renames the result into place, so that a failure leaves what stood there before.
 ///
 /// Something that is no regular file (a pipe, a device) is written to directly; a symbolic link stays one.
-pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     // Follow a link to the file it names
     let target = match path.metadata() {
         Ok(existing) if existing.is_dir() => {

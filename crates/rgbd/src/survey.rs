@@ -44,10 +44,12 @@ pub struct PartSurvey {
 }
 
 /// What there is in a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// The picture proper.
     pub display: PixelWindow,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f32,
     /// Its views (eyes), the default one first; empty where it names none.
     pub views: Vec<String>,
     /// Its parts, in the order of the file.
@@ -74,7 +76,8 @@ impl Survey {
                 views.push(view);
             }
         }
-        Self { display: window(&meta.headers[0].shared_attributes.display_window), views, parts }
+        let shared = &meta.headers[0].shared_attributes;
+        Self { display: window(&shared.display_window), pixel_aspect: shared.pixel_aspect, views, parts }
     }
 
     /// What to call a channel: its name, and its part's before a slash where there are several parts.

@@ -17,6 +17,7 @@ pub struct Scene {
     ambient: Vec3,
     suns: Vec<(DVec3, Vec3)>,
     sky: Vec3,
+    shadow_bias: f64,
     metres_per_unit: Option<f64>,
 }
 
@@ -64,7 +65,8 @@ impl Scene {
         for &(toward, strength) in &self.suns {
             let cosine = normal.dot(toward);
             if cosine > 0.0 {
-                let ray = Ray::leaving(hit.point, normal, toward);
+                let bias = self.shadow_bias * (1.0 + hit.point.abs().max_element());
+                let ray = Ray::leaving(hit.point + bias * normal, normal, toward);
                 if !self.geometry.is_blocked(&ray, f64::INFINITY, Some(hit.primitive)) {
                     light += strength * cosine as f32;
                 }
@@ -94,6 +96,7 @@ pub struct SceneBuilder {
     materials: Vec<Material>,
     lights: Vec<Light>,
     sky: Vec3,
+    shadow_bias: f64,
     metres_per_unit: Option<f64>,
 }
 
@@ -159,6 +162,18 @@ impl SceneBuilder {
         self.sky = radiance;
     }
 
+    /// Starts shadow rays off the surface by `share` x (1 + the point's largest coordinate).
+    ///
+    /// The default 0 is exact. Other renderers use a bias against self-shadowing (Mitsuba 3: 8.9e-5), which shortens
+    /// the shadows of things that touch; with the same bias their pictures can be compared.
+    pub fn shadow_bias(&mut self, share: f64) -> Result<(), SceneError> {
+        if !(0.0..=1.0).contains(&share) {
+            return Err(SceneError::OutOfRange { what: "shadow bias", value: share, wanted: "0 to 1" });
+        }
+        self.shadow_bias = share;
+        Ok(())
+    }
+
     /// Says how many metres one scene unit is.
     pub fn metres_per_unit(&mut self, metres: f64) -> Result<(), SceneError> {
         positive("metres per unit", metres)?;
@@ -206,6 +221,7 @@ impl SceneBuilder {
             ambient,
             suns,
             sky: self.sky,
+            shadow_bias: self.shadow_bias,
             metres_per_unit: self.metres_per_unit,
         })
     }

@@ -145,6 +145,7 @@ impl Reader<'_> {
         if let Some(sky) = self.spec.sky {
             builder.sky(sky.0.as_vec3());
         }
+        builder.shadow_bias(self.spec.shadow_bias).map_err(|error| self.part("shadow_bias", &error.into()))?;
         for (name, light) in &self.spec.lights {
             let light = self::light(light).map_err(|fault| self.part(&format!("[lights.{name}]"), &fault))?;
             builder.light(light);

@@ -18,6 +18,8 @@ pub(crate) struct FileSpec {
     pub(crate) metres_per_unit: Option<f64>,
     pub(crate) sky: Option<Triple>,
     #[serde(default)]
+    pub(crate) shadow_bias: f64,
+    #[serde(default)]
     pub(crate) materials: BTreeMap<String, MaterialSpec>,
     #[serde(default)]
     pub(crate) shapes: BTreeMap<String, ShapeSpec>,

@@ -86,18 +86,18 @@ impl<'a> Walk<'a> {
 
     /// The average colour of a surface over the pixel, from the samples that hit it.
     fn color(&self, x: i32, y: i32, centre: &Hit, direction: DVec3) -> Vec3 {
-        let mut sum = self.scene.shade(centre, direction);
+        let mut sum = self.scene.shade(centre, direction).as_dvec3();
         let mut count = 1.0;
         let sampler = Sampler::new(0, x, y, 0);
         for index in 0..COLOR_SAMPLES {
             let offset = sampler.sample(index).pixel;
             let ray = pinhole_ray(self.camera, f64::from(x) + offset.x, f64::from(y) + offset.y);
             if let Some(hit) = self.same_surface(&ray, centre) {
-                sum += self.scene.shade(&hit, ray.direction.as_dvec3());
+                sum += self.scene.shade(&hit, ray.direction.as_dvec3()).as_dvec3();
                 count += 1.0;
             }
         }
-        sum / count
+        (sum / count).as_vec3()
     }
 
     /// Where a ray through the same pixel meets the surface that `centre` lies on.

@@ -1,0 +1,99 @@
+//! Where results go, and what they say about how they were made.
+
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use clap::ValueEnum;
+use optics::ThinLens;
+use rgbd::{Compression, LensAttributes, Notes, WriteOptions};
+
+/// How EXR files are packed; none of these loses a bit.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub(crate) enum Packing {
+    /// Not at all: fastest.
+    None,
+    /// Run lengths: nearly as fast.
+    #[default]
+    Rle,
+    /// Deflate, line by line.
+    Zips,
+    /// Deflate, 16 lines at a time: smallest, slow to write.
+    Zip,
+}
+
+impl From<Packing> for Compression {
+    fn from(packing: Packing) -> Self {
+        match packing {
+            Packing::None => Self::None,
+            Packing::Rle => Self::Rle,
+            Packing::Zips => Self::Zips,
+            Packing::Zip => Self::Zip,
+        }
+    }
+}
+
+/// Makes the folder that a file shall stand in.
+pub(crate) fn make_folder_of(path: &Path) -> anyhow::Result<()> {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => make_folder(folder),
+        _ => Ok(()),
+    }
+}
+
+/// Makes a folder and those above it.
+pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {folder:?}"))
+}
+
+/// Writes text beside its place and renames it into it.
+pub(crate) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
+    make_folder_of(path)?;
+    rgbd::replace_file(path, text.as_bytes()).with_context(|| format!("cannot write {path:?}"))
+}
+
+/// Fails if a command would write over what it reads.
+pub(crate) fn refuse_overwriting(input: &Path, output: &Path) -> anyhow::Result<()> {
+    let same = match (input.canonicalize(), output.canonicalize()) {
+        (Ok(input), Ok(output)) => input == output,
+        _ => false,
+    };
+    if same {
+        bail!("{output:?} is the input; give another name to write to");
+    }
+    Ok(())
+}
+
+/// What a file says of its making: the program, the command line, and the given extra notes.
+pub(crate) fn notes(extra: impl IntoIterator<Item = (&'static str, String)>) -> Notes {
+    let made = [("software", format!("tiltshift {}", env!("CARGO_PKG_VERSION"))), ("command", command_line())];
+    made.into_iter().chain(extra).map(|(name, text)| (name.to_owned(), text)).collect()
+}
+
+/// The command line as typed, arguments with spaces in quotes; the program by its bare name.
+pub(crate) fn command_line() -> String {
+    let quoted = |argument: String| if argument.contains([' ', '"']) { format!("{argument:?}") } else { argument };
+    let arguments = std::env::args_os().skip(1).map(|argument| quoted(argument.to_string_lossy().into_owned()));
+    std::iter::once("tiltshift".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+/// How a file is written that was made with a lens; the lens in metres.
+pub(crate) fn write_options(
+    packing: Packing,
+    lens: Option<&ThinLens>,
+    sensor_mm: Option<[f64; 2]>,
+    notes: Notes,
+) -> WriteOptions {
+    let mut attributes =
+        LensAttributes { sensor_mm: sensor_mm.map(|size| size.map(|mm| mm as f32)), ..Default::default() };
+    if let Some(lens) = lens {
+        let mm = |metres: f64| (metres * 1e3) as f32;
+        attributes.focal_length_mm = Some(mm(lens.focal_length()));
+        attributes.image_distance_mm = Some(mm(lens.image_distance()));
+        attributes.f_number = lens.f_number().is_finite().then_some(lens.f_number() as f32);
+        attributes.focus_distance_m = lens.focus().depth(glam::DVec2::ZERO).map(|depth| depth as f32);
+        // OpenEXR counts the offset in microns, positive for more of the right and of the bottom
+        let shift = lens.shift();
+        attributes.sensor_offset_um = Some([(shift.x * 1e6) as f32, (-shift.y * 1e6) as f32]);
+    }
+    WriteOptions { compression: packing.into(), lens: attributes, notes }
+}
