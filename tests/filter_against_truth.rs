@@ -43,7 +43,7 @@ fn every_rung_reaches_its_floors() {
 #[test]
 fn the_noise_of_every_truth_lies_10_db_below_the_error_of_the_truest_rung() {
     for Filtered { shot, traced, scores } in filtered() {
-        let (noise, error) = (traced.noise_db(), scores.iter().map(|score| score.all()).fold(0.0, f64::max));
+        let (noise, error) = (traced.noise_db(), scores.iter().map(Score::all).fold(0.0, f64::max));
         assert!(noise >= error + 10.0, "{}: noise {noise:.2} dB, error {error:.2} dB", shot.name);
     }
 }
