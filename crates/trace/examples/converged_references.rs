@@ -4,8 +4,9 @@
 //! TILTSHIFT_SHARED=../shared cargo run --release -p trace --example converged_references -- OUT [CASE ...]
 //! ```
 //!
-//! For each case `OUT/CASE.png` shows the signed difference, red where ours is brighter, blue where it is darker; full
-//! colour is four times the combined noise of the picture. Structure in it would be an error of one of the two.
+//! For each case `OUT/CASE.png` shows the signed difference of means over 8x8 blocks, red where ours is brighter, blue
+//! where it is darker; full colour is four times the noise that such means have on average. Structure in it, other than
+//! that of the noise, would be an error of one of the two.
 #![allow(clippy::print_stdout)] // a program
 
 #[path = "../tests/reference_case/mod.rs"]
@@ -17,6 +18,7 @@ use std::time::Instant;
 use reference_case::Case;
 use rgbd::{Picture, PixelWindow, Silent};
 
+const BLOCK: i32 = 8;
 const CASES: [&str; 9] = [
     "simple_pinhole",
     "simple_untilted",
@@ -76,7 +78,8 @@ fn compare(case: &Case, scene: &trace::Scene, heat_map: &Path) -> Result<(), Box
     write_difference(&picture, &case.picture, window, 4.0 * expected, heat_map)
 }
 
-/// Writes the signed difference of the means of R, G and B: white is none, red more, blue less than `full`.
+/// Writes the signed difference of the means of R, G and B over blocks: white is none, red more, blue less; full colour
+/// is `full` divided by the block's edge.
 fn write_difference(
     ours: &Picture,
     theirs: &Picture,
@@ -85,9 +88,19 @@ fn write_difference(
     path: &Path,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let mut image = image::RgbImage::new(window.width, window.height);
+    // Means over blocks show structure that the noise of pixels hides
+    let mean = |x: i32, y: i32| {
+        let block =
+            PixelWindow::from_corners(x - x % BLOCK, y - y % BLOCK, x - x % BLOCK + BLOCK, y - y % BLOCK + BLOCK);
+        let block = block.intersection(&window);
+        let differences = block.pixels().map(|(x, y)| {
+            let (a, b) = (ours.at(x, y), theirs.at(x, y));
+            (0..3).map(|c| f64::from(a[c] - b[c])).sum::<f64>() / 3.0
+        });
+        differences.sum::<f64>() / block.area() as f64
+    };
     for (x, y) in window.pixels() {
-        let (a, b) = (ours.at(x, y), theirs.at(x, y));
-        let difference = (0..3).map(|c| f64::from(a[c] - b[c])).sum::<f64>() / 3.0 / full;
+        let difference = mean(x, y) * f64::from(BLOCK) / full;
         let fade = (255.0 * (1.0 - difference.abs().min(1.0))) as u8;
         let color = if difference > 0.0 { [255, fade, fade] } else { [fade, fade, 255] };
         image.put_pixel(x as u32, y as u32, image::Rgb(color));

@@ -15,7 +15,7 @@ use reference_case::Case;
 use rgbd::{Picture, PixelWindow, Silent, Truth};
 use trace::Scene;
 
-const CROP: PixelWindow = PixelWindow { x: 192, y: 100, width: 256, height: 192 };
+const CROP: PixelWindow = PixelWindow { x: 208, y: 104, width: 208, height: 160 };
 const CROP_SPP: u32 = 256;
 /// Enough to learn how noise is spread over the picture.
 const WHOLE_SPP: u32 = 16;
