@@ -17,6 +17,7 @@ use crate::files::{command_line, make_folder, write_text};
 /// Figures are of linear values. The reference's own noise is subtracted where it is known: a truth of `tiltshift
 /// render` knows its own.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct Options {
     /// Reference: a truth of `tiltshift render`, or any picture (OpenEXR).
     reference: PathBuf,

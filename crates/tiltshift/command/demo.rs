@@ -19,12 +19,13 @@ use crate::files::{Packing, command_line, make_folder, notes, write_options};
 
 /// Trace, filter and compare a scene of the project, and leave a report to open.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct Options {
     /// Scene.
     #[arg(long, value_enum, default_value_t)]
     scene: SceneName,
     /// Shot of the scene; `tiltshift render data/scenes/SCENE.toml --list` lists them.
-    #[arg(long, value_name = "NAME", default_value = "tilt_swing_shift")]
+    #[arg(long, value_name = "NAME", default_value = "miniature")]
     shot: String,
     /// Folder for the report and the pictures.
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
@@ -36,9 +37,9 @@ pub(crate) struct Options {
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
 enum SceneName {
     /// A ball, a box and a cylinder on a checkered floor.
-    #[default]
     Simple,
-    /// A road between houses and trees.
+    /// A village with roads and trees.
+    #[default]
     Landscape,
 }
 

@@ -20,6 +20,7 @@ use crate::values::Pixel;
 /// Reads an OpenEXR file with colour and depth and writes what the lens would have taken. Lens and focus come from the
 /// options, or from the file where it was written by `tiltshift render`.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct Options {
     /// RGB-D picture: OpenEXR with colour and depth.
     input: PathBuf,

@@ -19,6 +19,7 @@ use crate::values::{Pixel, Size};
 /// What was typed.
 #[derive(Debug, Args)]
 #[command(
+    allow_negative_numbers = true,
     mut_args(without_a_picture),
     after_help = "Example: a floor from near to far, with the tilt that three points of it need\n  \
                   tiltshift lens --focal-length 24 --sensor-width 36 -N 4 \\\n    \

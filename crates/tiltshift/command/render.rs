@@ -19,6 +19,7 @@ use crate::values::Size;
 /// Writes the ground truth (two independent halves, so that it knows its own noise) and the RGB-D frame that a filter
 /// needs: colour and depth in layers, with overscan.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(crate) struct Options {
     /// Scene file (TOML).
     scene: PathBuf,
