@@ -2,6 +2,7 @@
 //!
 //! `cargo bench --bench speed` prints times; the tracer's as camera samples per second (one hard-shadow ray per hit).
 //! Every figure is of one process: compare ratios within one run, not times between machines.
+#![allow(missing_docs)] // what criterion's macros make has no place for them
 
 use std::hint::black_box;
 use std::path::Path;

@@ -101,10 +101,40 @@ fn bad_requests_exit_with_2_and_say_in_one_line_what_would_do() {
     std::fs::write(folder.path().join("text.exr"), "this is no picture").unwrap();
     std::fs::write(folder.path().join("bad.toml"), "format = 1\nshoots = 3\n").unwrap();
     let scene = scene("simple");
+    std::fs::copy(&scene, folder.path().join("good.toml")).unwrap();
+    std::fs::write(folder.path().join("ball.toml"), "format = 1\n[shapes]\nball = { sphere = { radius = -1.0 } }\n")
+        .unwrap();
     let cases: &[(&[&str], &str)] = &[
         (&["filter", "missing.exr", "-o", "o.exr"], "missing.exr"),
         (&["filter", "text.exr", "-o", "o.exr"], "text.exr"),
         (&["filter", "d.exr", "-o", "d.exr"], "is the input"),
+        (&["filter", "d.exr", "-o", "o.exr", "--png", "d.exr"], "is the input"),
+        (&["filter", "d.exr", "-o", "o.exr", "--png", "o.exr"], "two results"),
+        (
+            &[
+                "filter",
+                "d.exr",
+                "-o",
+                "o.exr",
+                "-N",
+                "2",
+                "--focal-length",
+                "50",
+                "--focus-distance",
+                "1",
+                "--fov",
+                "40",
+            ],
+            "--fov",
+        ),
+        (&["render", "good.toml", "-o", "good.toml"], "is the input"),
+        (&["render", &scene, "--shot", "tilt", "-o", "o.exr", "--rgbd", "./o.exr"], "two results"),
+        (&["render", &scene, "--shot", "tilt", "--size", "65536x65536", "-o", "o.exr"], "pixels"),
+        (&["render", &scene, "--shot", "tilt", "--overscan", "65536", "-o", "o.exr"], "pixels"),
+        (&["render", "ball.toml", "-o", "o.exr"], "[shapes.ball]"),
+        (&["render", "/dev/zero", "-o", "o.exr"], "regular file"),
+        (&["compare", "t.exr", "d.exr", "--max-rmse", "nan"], "--max-rmse"),
+        (&["demo", "--shot", "nosuch"], "nosuch"),
         (&["filter", "d.exr", "-o", "o.exr", "-N", "2", "--focal-length", "50"], "--focus-distance"),
         (&["filter", "d.exr", "-o", "o.exr", "-N", "0", "--focal-length", "50", "--focus-distance", "2"], "f-number"),
         (&["filter", "d.exr", "-o", "o.exr", "-N", "2", "--focal-length", "50", "--focus-pixel", "500,5"], "outside"),
@@ -138,6 +168,11 @@ fn bad_requests_exit_with_2_and_say_in_one_line_what_would_do() {
         assert_eq!(code(&output), 2, "{arguments:?}: {text}");
         assert!(text.contains(word), "{arguments:?}: {text}");
         assert!(!text.contains("panicked"), "{text}");
+        assert_eq!(
+            text.matches("No such file").count().min(2),
+            usize::from(text.contains("No such file")),
+            "said twice: {text}"
+        );
         assert!(!folder.path().join("o.exr").exists(), "{arguments:?} wrote a file");
     }
 }

@@ -6,6 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use indicatif::{ProgressBar, ProgressStyle};
 use rgbd::Progress;
 
+/// Set once a result could not be written to stdout.
+static STDOUT_FAILED: AtomicBool = AtomicBool::new(false);
+
 /// Set once Ctrl-C was pressed.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
@@ -31,7 +34,15 @@ pub(crate) fn say(line: impl std::fmt::Display) {
 
 /// A line of a command's result on stdout. A reader that went away (`| head`) is not worth failing for.
 pub(crate) fn print(line: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stdout(), "{line}");
+    let written = writeln!(std::io::stdout(), "{line}").and_then(|()| std::io::stdout().flush());
+    if written.is_err_and(|error| error.kind() != std::io::ErrorKind::BrokenPipe) {
+        STDOUT_FAILED.store(true, Ordering::SeqCst);
+    }
+}
+
+/// Whether a result was lost on its way to stdout.
+pub(crate) fn lost_output() -> bool {
+    STDOUT_FAILED.load(Ordering::SeqCst)
 }
 
 /// A progress bar on the terminal, nothing in a pipe; it also carries Ctrl-C to the work.

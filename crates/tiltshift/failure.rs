@@ -30,8 +30,16 @@ impl Failure {
 impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            // The whole chain on one line: what failed, then why
-            Self::Input(error) => write!(f, "{error:#}"),
+            Self::Input(error) => {
+                // What failed, then why, unless that was said already
+                let mut said = error.to_string();
+                for cause in error.chain().skip(1).map(ToString::to_string) {
+                    if !said.contains(cause.trim()) {
+                        said = format!("{said}: {cause}");
+                    }
+                }
+                f.write_str(said.trim_end())
+            }
             Self::Exceeded(what) => f.write_str(what),
             Self::Interrupted => f.write_str("stopped; nothing was written that is not complete"),
         }

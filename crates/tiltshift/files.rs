@@ -51,16 +51,28 @@ pub(crate) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
     rgbd::replace_file(path, text.as_bytes()).with_context(|| format!("cannot write {path:?}"))
 }
 
-/// Fails if a command would write over what it reads.
-pub(crate) fn refuse_overwriting(input: &Path, output: &Path) -> anyhow::Result<()> {
-    let same = match (input.canonicalize(), output.canonicalize()) {
-        (Ok(input), Ok(output)) => input == output,
-        _ => false,
-    };
-    if same {
-        bail!("{output:?} is the input; give another name to write to");
+/// Fails if a command would write over what it reads, or over another of its results.
+pub(crate) fn refuse_overwriting(inputs: &[&Path], outputs: &[&Path]) -> anyhow::Result<()> {
+    for (i, output) in outputs.iter().enumerate() {
+        if inputs.iter().any(|input| same_place(input, output)) {
+            bail!("{output:?} is the input; give another name to write to");
+        }
+        if outputs[..i].iter().any(|earlier| same_place(earlier, output)) {
+            bail!("{output:?} is named for two results; give each its own name");
+        }
     }
     Ok(())
+}
+
+/// Whether two paths name one file, existing or not.
+fn same_place(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        path.canonicalize().ok().or_else(|| {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            Some(folder.canonicalize().ok()?.join(path.file_name()?))
+        })
+    };
+    a == b || place(a).is_some_and(|a| place(b) == Some(a))
 }
 
 /// What a file says of its making: the program, the command line, and the given extra notes.

@@ -145,6 +145,10 @@ impl LensOptions {
             None => ApertureShape::Disc,
         };
 
+        // The window tells the shift
+        let centre = 0.5 * (film.min() + film.max());
+        let lens = lens.shifted(centre * lens.image_distance())?;
+
         // From metres to the scene's unit
         let in_units = lens.scaled(1.0 / metres_per_unit).context("metres per unit of depth")?;
         let iris = if self.upright_iris { in_units.upright_iris(shape) } else { in_units.iris(shape) };

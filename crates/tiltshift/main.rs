@@ -62,6 +62,9 @@ fn run(command: Command) -> Outcome {
     // Whatever error an interrupted stage came up with, it was the interruption
     match outcome {
         Err(_) if console::is_interrupted() => Err(Failure::Interrupted),
+        Ok(()) if console::lost_output() => {
+            Err(anyhow::anyhow!("the result could not be written to standard output").into())
+        }
         outcome => outcome,
     }
 }

@@ -44,8 +44,7 @@ impl FromStr for Pair {
 
     fn from_str(text: &str) -> anyhow::Result<Self> {
         let (a, b) = halves(text, ',')?;
-        let number = |part: &str| part.parse().map_err(|_| anyhow!("{part:?} is not a number"));
-        Ok(Self(number(a)?, number(b)?))
+        Ok(Self(finite(a)?, finite(b)?))
     }
 }
 
@@ -73,4 +72,24 @@ fn halves(text: &str, separator: char) -> anyhow::Result<(&str, &str)> {
     let (a, b) =
         text.split_once(separator).ok_or_else(|| anyhow!("two numbers with a {separator:?} between, please"))?;
     Ok((a.trim(), b.trim()))
+}
+
+/// A finite number.
+pub(crate) fn finite(text: &str) -> anyhow::Result<f64> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => bail!("{text:?} is not a finite number"),
+    }
+}
+
+/// A finite number above 0.
+pub(crate) fn positive(text: &str) -> anyhow::Result<f64> {
+    let number = finite(text)?;
+    if number > 0.0 { Ok(number) } else { bail!("it must be above 0") }
+}
+
+/// An exposure in stops.
+pub(crate) fn stops(text: &str) -> anyhow::Result<f32> {
+    let stops = finite(text)?;
+    if stops.abs() <= 100.0 { Ok(stops as f32) } else { bail!("it must be between -100 and 100") }
 }

@@ -7,6 +7,7 @@ use rgbd::{Picture, PixelWindow, Plane, Progress};
 use crate::{
     FilterError, FrameView, GatherSettings, KernelRule,
     gather::gather,
+    lens_map::PixelLens,
     own_coc::own_coc,
     surface::{HOLE_REACH, pixel_q},
 };
@@ -82,19 +83,19 @@ pub struct Filtered {
 /// let depth = Plane::from_fn(window, |x, _| if on_card(x) { 2.0 } else { 4.0 });
 /// let frame = Frame::new(window, vec![Layer::from_raw_depth(color, depth)])?;
 ///
-/// // A lens of 20 mm radius, focused on the wall through a plane tilted by w.y
+/// // A lens of 20 cm radius, focused on the wall through a plane tilted by w.y
 /// let camera = Camera {
 ///     pose: Pose::IDENTITY,
 ///     film: Film::from_fov(0.7, 64, 36)?,
 ///     focus: Focus::new(DVec3::new(0.0, 0.05, 0.25))?,
-///     iris: Iris::upright(0.02, ApertureShape::Disc)?,
+///     iris: Iris::upright(0.2, ApertureShape::Disc)?,
 /// };
 /// let view = filter::FrameView::whole(&frame);
 /// let filtered = filter::apply(&view, &camera, &filter::Method::default(), window, &Silent)?;
 ///
-/// // The silhouette of the card, out of focus, is no longer a step
-/// let [left, right] = [30, 33].map(|x| filtered.picture.at(x, 18)[0]);
-/// assert!(left < 0.9 && right > 0.1);
+/// // The card, out of focus, spreads over the sharp wall beside it
+/// let wall = |x| filtered.picture.at(x, 18)[0];
+/// assert!(wall(33) > 0.3 && wall(40) < 0.11);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn apply(
@@ -126,10 +127,13 @@ pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
     let Some(settings) = method.settings() else { return 0 };
     let frame = view.frame();
     let largest = largest_radius_px(view, camera, frame.display).min(max_radius_px(view, settings));
-    // An ellipse is at most as much wider than the disc as the window's corner is oblique; then ramp, slope and rounding
-    let oblique = camera.film.corners().iter().map(|q| q.extend(1.0).length()).fold(1.0, f64::max) as f32;
+    // An ellipse is wider than the disc by most at a corner of the window; then ramp, slope and rounding
+    let disc = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
+    let corners = camera.film.corners().map(|q| PixelLens::new(camera, KernelModel::Exact, q));
+    let wider = corners.iter().map(|lens| lens.stretch().max(lens.widest / disc.max(f32::MIN_POSITIVE)));
+    let wider = 1.1 * wider.fold(1.0, f32::max);
     let holes = frame.layers().iter().any(|layer| layer.known.count() < layer.window().area());
-    (largest * 2.0 * oblique).ceil() as u32 + 4 + if holes { HOLE_REACH as u32 } else { 0 }
+    (largest * wider).ceil() as u32 + 4 + if holes { HOLE_REACH as u32 } else { 0 }
 }
 
 /// Signed radius of the circle of confusion in pixels of each pixel of the view, from the first layer's depth: positive on

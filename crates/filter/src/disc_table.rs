@@ -109,9 +109,8 @@ impl DiscTable {
 
 /// Sum of the weights on the pixel lattice, and their variance along x and y averaged.
 fn lattice_moments(outline: &Outline, edge: f64) -> (f64, f64) {
-    let n = (2.0 * edge + 2.0) as i32;
+    let n = edge as i32 + 2;
     let (mut sum, mut second) = (0.0, 0.0);
-    let n = if matches!(outline, Outline::Disc) { n.min(edge as i32 + 2) } else { n };
     for y in -n..=n {
         for x in -n..=n {
             let weight = f64::from(ramp(outline.distance(x as f32, y as f32, edge as f32)));

@@ -200,6 +200,7 @@ impl Job<'_> {
 
     /// How many pixels a range of inverse depth may reach for these lenses: blur, ramp and rounding.
     fn reach(&self, lenses: &[PixelLens]) -> impl Fn(f32, f32) -> f32 + use<> {
+        let stretch = lenses.iter().map(PixelLens::stretch).fold(1.0, f32::max);
         let start = (f32::INFINITY, f32::NEG_INFINITY, 0.0_f32);
         let (low, high, widest) = lenses.iter().fold(start, |(low, high, widest), lens| {
             (low.min(lens.focus), high.max(lens.focus), widest.max(lens.widest))
@@ -207,7 +208,7 @@ impl Job<'_> {
         let max_radius = self.max_radius;
         move |nearest_sky: f32, nearest: f32| {
             let defocus = (nearest - low).abs().max((nearest_sky - high).abs());
-            (widest * defocus).min(max_radius * 2.0) + 2.0
+            (widest * defocus).min(max_radius * stretch) + 2.0
         }
     }
 
@@ -264,7 +265,7 @@ impl Job<'_> {
         let (dx, dy) = ((tap.x - x) as f32, (tap.y - y) as f32);
         let defocus = tap.inverse_depth - lens.focus;
         let radius = (lens.scale * defocus.abs()).min(self.max_radius);
-        let outer = radius * (lens.widest / lens.scale.max(f32::MIN_POSITIVE)) + 1.5;
+        let outer = radius * lens.stretch() + 1.5;
         if dx * dx + dy * dy > outer * outer {
             return 0.0;
         }

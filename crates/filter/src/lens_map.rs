@@ -44,6 +44,12 @@ pub(crate) struct PixelLens {
 }
 
 impl PixelLens {
+    /// How much wider than its mean radius a footprint is at most; 1 for a disc.
+    #[inline(always)]
+    pub(crate) fn stretch(&self) -> f32 {
+        if self.scale > 0.0 { self.widest / self.scale } else { 1.0 }
+    }
+
     /// The lens seen from chief-ray direction q.
     pub(crate) fn new(camera: &Camera, model: KernelModel, q: DVec2) -> Self {
         let (iris, px) = (&camera.iris, camera.film.pixels_per_q());

@@ -38,7 +38,7 @@ pub(crate) fn own_coc(
         let defocus = lens.scale * (surface.inverse_depth[here] - lens.focus);
         let radius = defocus.abs().min(max_radius);
         let (edge, _) = table.at(radius);
-        let reach = (radius * lens.widest / lens.scale.max(f32::MIN_POSITIVE) + 1.5) as u32;
+        let reach = (radius * lens.stretch() + 1.5) as u32;
         let around = PixelWindow { x, y, width: 1, height: 1 }.grown(reach, reach).intersection(&surface.window);
         let (mut sum, mut total) = ([0.0; 4], 0.0);
         for (u, v) in around.pixels() {

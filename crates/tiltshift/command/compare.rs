@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use ::compare::{Comparison, CorrectedError, Entry, GivenNoise, MaskKind, Masks, Parameter, Reference, Report};
+use ::compare::{Comparison, CorrectedError, Entry, GivenNoise, Masks, Parameter, Reference, Report};
 use anyhow::Context;
 use clap::Args;
 use optics::Camera;
 use rgbd::{Frame, Loaded, PixelWindow, ReadError, ReadOptions, read_frame, read_picture, read_truth};
 
-use crate::console::{print, say};
+use crate::console::{is_interrupted, print, say};
 use crate::failure::{Failure, Outcome};
 use crate::files::{command_line, make_folder, write_text};
+use crate::values::{finite, positive, stops};
 
 /// Say how far pictures are from a reference, and where.
 ///
@@ -28,25 +29,25 @@ pub(crate) struct Options {
     #[arg(long, value_name = "FILE.exr")]
     rgbd: Option<PathBuf>,
     /// Width in pixels of the band around depth edges; the largest circle of confusion's radius, at least 8, without.
-    #[arg(long, value_name = "PX", requires = "rgbd")]
+    #[arg(long, value_name = "PX", requires = "rgbd", value_parser = positive)]
     edge_reach: Option<f64>,
     /// Mean squared error of the reference's own noise, where it does not know it.
-    #[arg(long, value_name = "MSE")]
+    #[arg(long, value_name = "MSE", value_parser = positive)]
     noise_mse: Option<f64>,
     /// Folder for report.html and report.json.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     /// Exposure of the report's pictures in stops.
-    #[arg(long, value_name = "STOPS", allow_hyphen_values = true, default_value_t = 0.0)]
+    #[arg(long, value_name = "STOPS", value_parser = stops, allow_negative_numbers = true, default_value_t = 0.0)]
     exposure: f32,
     /// Print the figures as JSON instead of a table.
     #[arg(long)]
     json: bool,
     /// Exit with code 1 if any candidate's RMS error over the whole picture is larger.
-    #[arg(long, value_name = "RMSE")]
+    #[arg(long, value_name = "RMSE", value_parser = positive)]
     max_rmse: Option<f64>,
     /// Exit with code 1 if any candidate's PSNR over the whole picture is lower.
-    #[arg(long, value_name = "DB")]
+    #[arg(long, value_name = "DB", value_parser = finite)]
     min_psnr: Option<f64>,
 }
 
@@ -57,6 +58,9 @@ struct Read {
 }
 
 pub(crate) fn run(options: &Options) -> Outcome {
+    if let Some(folder) = &options.report {
+        make_folder(folder)?;
+    }
     let Read { reference, camera } = read_reference(options)?;
     let display = reference.display();
 
@@ -82,6 +86,9 @@ pub(crate) fn run(options: &Options) -> Outcome {
 
     // Compare
     let entry = |name: String, note: &str, picture: &rgbd::Picture| {
+        if is_interrupted() {
+            return Err(Failure::Interrupted);
+        }
         let comparison = Comparison::new(&reference, picture, &masks)?;
         if comparison.non_finite > 0 {
             say(format_args!("{name}: {} pixels are not finite, taken as 0", comparison.non_finite));
@@ -99,6 +106,9 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let candidates =
         named.map(|(path, picture)| entry(short_name(path), "", picture)).collect::<Result<Vec<_>, _>>()?;
 
+    if is_interrupted() {
+        return Err(Failure::Interrupted);
+    }
     let report = Report {
         title: format!("{} against {}", names(&options.candidates), short_name(&options.reference)),
         about: String::new(),
@@ -202,7 +212,9 @@ fn read_candidate(path: &Path, display: PixelWindow) -> Result<(rgbd::Picture, O
     Ok((picture.covering(picture.window().union(&display)).cropped(display), head.camera))
 }
 
+/// Fails if any candidate exceeds a threshold; names them all.
 fn thresholds(options: &Options, report: &Report) -> Outcome {
+    let mut exceeded = Vec::new();
     for entry in &report.candidates {
         let figures = entry.comparison.all();
         let mse = match figures.corrected {
@@ -210,20 +222,15 @@ fn thresholds(options: &Options, report: &Report) -> Outcome {
             CorrectedError::BelowNoise { .. } => 0.0,
             CorrectedError::UnknownNoise => figures.mse,
         };
-        if let Some(limit) = options.max_rmse
-            && mse.sqrt() > limit
-        {
-            return Err(Failure::Exceeded(format!("{}: RMSE {:.6} is above {limit}", entry.name, mse.sqrt())));
+        let (rmse, psnr) = (mse.sqrt(), ::compare::psnr_db(mse));
+        if let Some(limit) = options.max_rmse.filter(|&limit| rmse > limit) {
+            exceeded.push(format!("{}: RMSE {rmse:.6} is above {limit}", entry.name));
         }
-        let psnr = ::compare::psnr_db(mse);
-        if let Some(limit) = options.min_psnr
-            && psnr < limit
-        {
-            return Err(Failure::Exceeded(format!("{}: PSNR {psnr:.2} dB is below {limit} dB", entry.name)));
+        if let Some(limit) = options.min_psnr.filter(|&limit| psnr < limit) {
+            exceeded.push(format!("{}: PSNR {psnr:.2} dB is below {limit} dB", entry.name));
         }
-        debug_assert_eq!(figures.mask, MaskKind::All);
     }
-    Ok(())
+    if exceeded.is_empty() { Ok(()) } else { Err(Failure::Exceeded(exceeded.join("; "))) }
 }
 
 fn short_name(path: &Path) -> String {

@@ -24,9 +24,10 @@ pub(crate) struct Options {
     /// Scene.
     #[arg(long, value_enum, default_value_t)]
     scene: SceneName,
-    /// Shot of the scene; `tiltshift render data/scenes/SCENE.toml --list` lists them.
-    #[arg(long, value_name = "NAME", default_value = "miniature")]
-    shot: String,
+    /// Shot of the scene: miniature, or tilt_swing_shift of the simple one, without; `tiltshift render
+    /// data/scenes/SCENE.toml --list` lists them.
+    #[arg(long, value_name = "NAME")]
+    shot: Option<String>,
     /// Folder for the report and the pictures.
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
@@ -44,6 +45,13 @@ enum SceneName {
 }
 
 impl SceneName {
+    fn default_shot(self) -> &'static str {
+        match self {
+            Self::Simple => "tilt_swing_shift",
+            Self::Landscape => "miniature",
+        }
+    }
+
     /// The scene, which is part of the program.
     fn open(self) -> anyhow::Result<SceneFile> {
         let (text, path) = match self {
@@ -65,9 +73,10 @@ struct Made {
 
 pub(crate) fn run(options: &Options) -> Outcome {
     let file = options.scene.open()?;
-    let shot = file.shot(Some(&options.shot))?;
+    let name = options.shot.as_deref().unwrap_or(options.scene.default_shot());
+    let shot = file.shot(Some(name))?;
     let camera = options.quality.camera(shot)?;
-    say(format_args!("{} / {}: {}", file.description(), options.shot, shot.description));
+    say(format_args!("{} / {name}: {}", file.description(), shot.description));
     make_folder(&options.out)?;
 
     // Trace the truth and what the filter gets
@@ -110,7 +119,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let candidates =
         made.iter().rev().map(|made| entry(made.name, format!("{}; {:.2} s", made.note, made.seconds), &made.picture));
     let report = Report {
-        title: format!("tiltshift demo: {}, {}", file.description(), options.shot),
+        title: format!("tiltshift demo: {}, {name}", file.description()),
         about: format!(
             "{}. The traced truth beside the post-process filter, with the same tilted lens.",
             shot.description

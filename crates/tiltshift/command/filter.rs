@@ -1,6 +1,6 @@
 //! `tiltshift filter`: the lens put onto an RGB-D picture.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use ::filter::{FrameView, GatherSettings, KernelRule, Method, apply};
 use anyhow::{anyhow, bail};
@@ -13,7 +13,7 @@ use crate::failure::Outcome;
 use crate::files::{Packing, make_folder_of, notes, refuse_overwriting, write_options};
 use crate::lens_options::{Chosen, FilmOptions, LensOptions};
 use crate::read_arguments::ReadArguments;
-use crate::values::Pixel;
+use crate::values::{Pixel, stops};
 
 /// Put a tilt-shift lens onto an RGB-D picture.
 ///
@@ -31,7 +31,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
     /// Exposure of the PNG in stops.
-    #[arg(long, value_name = "STOPS", allow_hyphen_values = true, default_value_t = 0.0)]
+    #[arg(long, value_name = "STOPS", value_parser = stops, allow_negative_numbers = true, default_value_t = 0.0)]
     exposure: f32,
     /// How the EXR is packed.
     #[arg(long, value_enum, default_value_t)]
@@ -114,7 +114,11 @@ impl MethodOptions {
 }
 
 pub(crate) fn run(options: &Options) -> Outcome {
-    refuse_overwriting(&options.input, &options.output)?;
+    let outputs: Vec<&Path> = [Some(options.output.as_path()), options.png.as_deref()].into_iter().flatten().collect();
+    refuse_overwriting(&[&options.input], &outputs)?;
+    for output in outputs {
+        make_folder_of(output)?;
+    }
 
     // Read the picture; rays need the film before the depth makes sense
     let film = film_before_reading(options)?;
@@ -151,7 +155,6 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let kernel = ("kernel", filtered.kernel.to_string());
     let notes = notes([("method", method.name().to_owned()), kernel, ("input", options.input.display().to_string())]);
     let sensor_mm = lens.map(|lens| sensor_mm(&camera, &lens));
-    make_folder_of(&options.output)?;
     write_picture(
         &options.output,
         &filtered.picture,
@@ -160,7 +163,6 @@ pub(crate) fn run(options: &Options) -> Outcome {
     )?;
     say(format_args!("wrote {}", options.output.display()));
     if let Some(png) = &options.png {
-        make_folder_of(png)?;
         write_png(png, &filtered.picture, options.exposure)?;
         say(format_args!("wrote {}", png.display()));
     }
@@ -206,9 +208,15 @@ fn camera(options: &Options, frame: &Frame, attributes: &LensAttributes) -> anyh
         ..options.film.clone()
     };
     let display = frame.display;
+    let typed = &options.film;
+    if frame.camera.is_some() && (typed.fov.is_some() || typed.sensor_width.is_some() || typed.shift.is_some()) {
+        bail!("{:?} tells what its camera sees; leave out --fov, --sensor-width and --shift", options.input);
+    }
+    // What was typed comes before what the header says
+    let (width, height, aspect) = (display.width, display.height, f64::from(frame.pixel_aspect));
     let film = match frame.camera {
         Some(camera) => camera.film,
-        None => film_options.film(display.width, display.height, f64::from(frame.pixel_aspect))?.ok_or_else(|| {
+        None => typed.film(width, height, aspect)?.or(film_options.film(width, height, aspect)?).ok_or_else(|| {
             anyhow!(
                 "{:?} does not say what its camera sees; give --focal-length and --sensor-width, or --fov",
                 options.input
@@ -223,7 +231,7 @@ fn camera(options: &Options, frame: &Frame, attributes: &LensAttributes) -> anyh
     });
     let pose = frame.camera.map_or(Pose::IDENTITY, |camera| camera.pose);
     let depth_at = |pixel| depth_in_units(frame, pixel).map(|depth| depth * metres_per_unit);
-    let focal_length = film_options.focal_length_mm();
+    let focal_length = typed.focal_length_mm().or_else(|| film_options.focal_length_mm());
     let Chosen { camera, lens } = options.lens.camera(pose, film, focal_length, metres_per_unit, depth_at)?;
     Ok(Taken { camera, lens: Some(lens) })
 }

@@ -1,18 +1,18 @@
 //! `tiltshift render`: a scene traced through the lens.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
 use optics::{Camera, ThinLens};
-use rgbd::{PixelWindow, Truth, write_frame, write_png, write_truth};
+use rgbd::{PixelWindow, ReadOptions, Truth, write_frame, write_png, write_truth};
 use trace::{LayerSettings, LayeredFrame, Margin, Scene, SceneFile, Shot};
 
 use crate::command::filter::sensor_mm;
 use crate::console::{Bar, print, say};
 use crate::failure::Outcome;
-use crate::files::{Packing, make_folder_of, notes, write_options};
-use crate::values::Size;
+use crate::files::{Packing, make_folder_of, notes, refuse_overwriting, write_options};
+use crate::values::{Size, positive, stops};
 
 /// Trace a scene through a tilted lens.
 ///
@@ -39,7 +39,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
     /// Exposure of the PNG in stops.
-    #[arg(long, value_name = "STOPS", allow_hyphen_values = true, default_value_t = 0.0)]
+    #[arg(long, value_name = "STOPS", value_parser = stops, allow_negative_numbers = true, default_value_t = 0.0)]
     exposure: f32,
     /// How the EXRs are packed.
     #[arg(long, value_enum, default_value_t)]
@@ -56,7 +56,7 @@ pub(crate) struct Quality {
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=131072))]
     spp: u32,
     /// Sample until the noise (RMS error of linear values) is at most this, instead of --spp.
-    #[arg(long, value_name = "RMSE", conflicts_with = "spp")]
+    #[arg(long, value_name = "RMSE", conflicts_with = "spp", value_parser = positive)]
     noise: Option<f64>,
     /// Most samples per pixel that --noise may take.
     #[arg(long, value_name = "N", default_value_t = 16384, requires = "noise",
@@ -90,9 +90,20 @@ pub(crate) fn run(options: &Options) -> Outcome {
 
     // Name the files after scene and shot
     let scene = options.scene.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-    let name = [Some(scene), options.shot.clone()].into_iter().flatten().collect::<Vec<_>>().join("_");
+    let name = [Some(scene), options.shot.clone()]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join("_")
+        .replace(['/', '\\'], "_");
     let truth_path = options.output.clone().unwrap_or_else(|| format!("out/{name}.exr").into());
     let rgbd_path = options.rgbd.clone().unwrap_or_else(|| format!("out/{name}_rgbd.exr").into());
+    let outputs = [Some(truth_path.as_path()), Some(rgbd_path.as_path()), options.png.as_deref()];
+    let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
+    refuse_overwriting(&[&options.scene], &outputs)?;
+    for output in outputs {
+        make_folder_of(output)?;
+    }
     let lens = lens_in_metres(shot, file.scene())?;
     let sensor = lens.map(|lens| sensor_mm(&camera, &lens));
     let from = [("scene", options.scene.display().to_string()), ("shot", options.shot.clone().unwrap_or_default())];
@@ -101,17 +112,14 @@ pub(crate) fn run(options: &Options) -> Outcome {
     // Trace, and write each part as soon as it is there
     let truth = options.quality.truth(file.scene(), &camera)?;
     say_noise(&truth);
-    make_folder_of(&truth_path)?;
     write_truth(&truth_path, &truth, &write)?;
     say(format_args!("wrote {}", truth_path.display()));
     if let Some(png) = &options.png {
-        make_folder_of(png)?;
         write_png(png, &truth.picture(), options.exposure)?;
         say(format_args!("wrote {}", png.display()));
     }
     let layered = options.quality.layers(file.scene(), &camera)?;
     say_layers(&layered);
-    make_folder_of(&rgbd_path)?;
     write_frame(&rgbd_path, &layered.frame, &write)?;
     say(format_args!("wrote {}", rgbd_path.display()));
     Ok(())
@@ -120,8 +128,18 @@ pub(crate) fn run(options: &Options) -> Outcome {
 impl Quality {
     /// The shot's camera, at the size that was asked for.
     pub(crate) fn camera(&self, shot: &Shot) -> anyhow::Result<Camera> {
-        let Some(Size { width, height }) = self.size else { return Ok(shot.camera) };
-        Ok(Camera { film: shot.camera.film.resized(width, height)?, ..shot.camera })
+        let camera = match self.size {
+            Some(Size { width, height }) => Camera { film: shot.camera.film.resized(width, height)?, ..shot.camera },
+            None => shot.camera,
+        };
+        // Refuse before anything is allocated
+        let margin = self.overscan.unwrap_or(camera.film.width() / 4);
+        let side = |pixels: u32| u64::from(pixels) + 2 * u64::from(margin);
+        let pixels = side(camera.film.width()) * side(camera.film.height());
+        if pixels > ReadOptions::MAX_PIXELS {
+            bail!("the picture with its overscan has {pixels} pixels; at most {} will do", ReadOptions::MAX_PIXELS);
+        }
+        Ok(camera)
     }
 
     /// The ground truth over the display window.
@@ -131,10 +149,14 @@ impl Quality {
         let Some(noise) = self.noise else {
             return Ok(trace::truth(scene, camera, display, self.spp, self.seed, &bar)?);
         };
-        if noise.is_nan() || noise <= 0.0 {
-            bail!("--noise is {noise}; it must be positive");
+        let truth = trace::truth_to_noise(scene, camera, display, noise, self.max_spp, self.seed, &bar)?;
+        if truth.noise_rmse(display) > noise {
+            say(format_args!(
+                "the noise is still above {noise} after {} samples per pixel; --max-spp allows more",
+                self.max_spp
+            ));
         }
-        Ok(trace::truth_to_noise(scene, camera, display, noise, self.max_spp, self.seed, &bar)?)
+        Ok(truth)
     }
 
     /// The RGB-D frame.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
+use super::scene_file::refuse_special;
 use super::{error::FileError, gltf_mesh, obj_mesh};
 use crate::Material;
 
@@ -21,6 +22,7 @@ impl Mesh {
     /// Reads an OBJ or glTF file, told by its extension.
     pub(crate) fn read(path: &Path) -> Result<Self, FileError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        refuse_special(path).map_err(|source| FileError::Read { path: path.to_owned(), source })?;
         let mesh = match extension.as_str() {
             "obj" => obj_mesh::read(path),
             "gltf" | "glb" => gltf_mesh::read(path),

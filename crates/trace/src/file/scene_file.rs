@@ -28,6 +28,7 @@ impl SceneFile {
     /// Reads a file and the meshes it names; every shot is checked.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
+        refuse_special(path).map_err(|source| FileError::Read { path: path.into(), source })?;
         let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
         Self::parse(&text, path)
     }
@@ -116,7 +117,7 @@ impl Reader<'_> {
         known: &'m BTreeMap<String, T>,
     ) -> Result<&'m T, FileError> {
         known.get(name.get_ref()).ok_or_else(|| {
-            self.line(name, format!("there is no {kind} {:?} ({kind}s: {})", name.get_ref(), names(known)))
+            self.line(name, format!("there is no {kind} {:?} (there are: {})", name.get_ref(), names(known)))
         })
     }
 
@@ -154,6 +155,9 @@ impl Reader<'_> {
         for (name, spec) in &self.spec.materials {
             let material = material(spec).map_err(|fault| self.part(&format!("[materials.{name}]"), &fault))?;
             materials.insert(name.clone(), builder.material(material));
+        }
+        for (name, spec) in &self.spec.shapes {
+            check_size(spec).map_err(|fault| self.part(&format!("[shapes.{name}]"), &fault))?;
         }
         let mut meshes = BTreeMap::new();
         for (name, spec) in &self.spec.meshes {
@@ -254,6 +258,25 @@ fn material(spec: &MaterialSpec) -> Result<Material, Fault> {
         },
     };
     Ok(Material { pigment, emission: spec.emission.map_or(Vec3::ZERO, |emission| emission.0.as_vec3()) })
+}
+
+/// Fails unless all lengths of a shape are positive and finite.
+fn check_size(spec: &ShapeSpec) -> Result<(), Fault> {
+    let (_, placed_from_local) = shape(spec);
+    let scale = placed_from_local.matrix3;
+    let lengths = [scale.x_axis.x, scale.y_axis.y, scale.z_axis.z];
+    if lengths.iter().all(|&length| length > 0.0 && length.is_finite()) {
+        return Ok(());
+    }
+    Fault::says("sizes, radii and heights must be positive and finite")
+}
+
+/// Fails for what is no file but a folder, a pipe or a device, of which there may be no end.
+pub(super) fn refuse_special(path: &Path) -> std::io::Result<()> {
+    if std::fs::metadata(path)?.is_file() {
+        return Ok(());
+    }
+    Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is not a regular file"))
 }
 
 /// The canonical shape, and its map to the size asked for.
