@@ -82,7 +82,21 @@ pub(crate) struct Chosen {
     pub(crate) lens: ThinLens,
 }
 
+/// Fails unless a length in mm is positive, if it was typed.
+pub(crate) fn positive_mm(name: &str, length: Option<f64>) -> anyhow::Result<()> {
+    match length.filter(|&length| !(length > 0.0 && length.is_finite())) {
+        Some(length) => bail!("{name} is {length} mm; it must be positive"),
+        None => Ok(()),
+    }
+}
+
 impl FilmOptions {
+    /// Fails for lengths that cannot be, as they were typed.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        positive_mm("--focal-length", self.focal_length)?;
+        positive_mm("--sensor-width", self.sensor_width)
+    }
+
     /// Focal length in mm as the picture's scale needs it: given, or from sensor width and field of view.
     pub(crate) fn focal_length_mm(&self) -> Option<f64> {
         let from_fov = || Some(0.5 * self.sensor_width? / (0.5 * self.fov?.to_radians()).tan());
@@ -114,6 +128,19 @@ impl FilmOptions {
 }
 
 impl LensOptions {
+    /// Fails for lengths and angles that cannot be, as they were typed.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        for (name, angle) in [("--tilt", self.tilt), ("--swing", self.swing)] {
+            if let Some(angle) = angle.filter(|angle| angle.is_nan() || angle.abs() >= 90.0) {
+                bail!("{name} is {angle} degrees; it must be between -90 and 90");
+            }
+        }
+        if let Some(plane) = self.focus_plane.filter(|plane| plane.0 == 0.0 || plane.0.abs() > 90.0) {
+            bail!("--focus-plane has an angle of {} degrees; it must be between -90 and 90, and not 0", plane.0);
+        }
+        Ok(())
+    }
+
     /// Whether any lens was asked for.
     pub(crate) fn is_given(&self) -> bool {
         let Self { f_number, aperture_radius, tilt, swing, hinge_distance, focus_distance, .. } = self;

@@ -109,8 +109,9 @@ pub fn apply(
     let Some(settings) = method.settings() else { return Ok(unfiltered(view, window)) };
 
     // Find out how large the blur gets, and how simple its shape may be
-    let (model, kernel_choice) = kernel(view, camera, settings.kernel);
-    let largest_radius_px = largest_radius_px(view, camera, window);
+    let depths = depth_range(view, settings);
+    let (model, kernel_choice) = kernel(depths, camera, settings.kernel);
+    let largest_radius_px = largest_radius_px(depths, view, camera, window);
     let limit = max_radius_px(view, settings);
 
     let picture = match method {
@@ -126,7 +127,8 @@ pub fn apply(
 pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
     let Some(settings) = method.settings() else { return 0 };
     let frame = view.frame();
-    let largest = largest_radius_px(view, camera, frame.display).min(max_radius_px(view, settings));
+    let largest = largest_radius_px(depth_range(view, settings), view, camera, frame.display);
+    let largest = largest.min(max_radius_px(view, settings));
     // An ellipse is wider than the disc by most at a corner of the window; then ramp, slope and rounding
     let disc = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
     let corners = camera.film.corners().map(|q| PixelLens::new(camera, KernelModel::Exact, q));
@@ -187,23 +189,23 @@ fn unfiltered(view: &FrameView, window: PixelWindow) -> Filtered {
     }
 }
 
-fn kernel(view: &FrameView, camera: &Camera, rule: KernelRule) -> (KernelModel, Option<KernelChoice>) {
+fn kernel(depths: Option<DepthRange>, camera: &Camera, rule: KernelRule) -> (KernelModel, Option<KernelChoice>) {
     // Pixels that are not square make an ellipse of every disc
     let px = camera.film.pixels_per_q();
     let square = (px.x / px.y - 1.0).abs() < 1e-3;
     match rule {
         KernelRule::Forced(model) => (if square { model } else { model.max(KernelModel::Ellipse) }, None),
         KernelRule::Auto { tolerance_px } => {
-            let Some(depths) = depth_range(view) else { return (KernelModel::Disc, None) };
+            let Some(depths) = depths else { return (KernelModel::Disc, None) };
             let choice = KernelModel::choose(camera, Reading::Gather, &depths, tolerance_px);
             (if square { choice.model } else { choice.model.max(KernelModel::Ellipse) }, Some(choice))
         }
     }
 }
 
-/// Nearest and farthest known depth of the whole frame.
-fn depth_range(view: &FrameView) -> Option<DepthRange> {
-    let known = view.frame().layers().iter().flat_map(|layer| {
+/// Nearest and farthest known depth of the whole frame, in the layers that are used.
+fn depth_range(view: &FrameView, settings: &GatherSettings) -> Option<DepthRange> {
+    let known = view.frame().layers().iter().take(settings.layers.max(1)).flat_map(|layer| {
         let depths = layer.depth.values().iter().zip(layer.known.bits());
         depths.filter(|&(_, &known)| known).map(|(&z, _)| z)
     });
@@ -212,8 +214,8 @@ fn depth_range(view: &FrameView) -> Option<DepthRange> {
 }
 
 /// Largest radius over a window, from the frame's range of depth.
-fn largest_radius_px(view: &FrameView, camera: &Camera, window: PixelWindow) -> f32 {
-    let inverse = depth_range(view).map_or([0.0, 0.0], |depths| depths.inverse());
+fn largest_radius_px(depths: Option<DepthRange>, view: &FrameView, camera: &Camera, window: PixelWindow) -> f32 {
+    let inverse = depths.map_or([0.0, 0.0], |depths| depths.inverse());
     let corners = [
         (window.x, window.y),
         (window.x_end(), window.y),

@@ -15,9 +15,7 @@
 //! the first layer's own weights sum to 1 only within a few percent where surfaces curve.
 
 use optics::{Camera, KernelModel};
-use rayon::prelude::*;
 use rgbd::{Cancelled, Picture, PixelWindow, Progress};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::{
     FrameView, KernelRule,
@@ -25,10 +23,9 @@ use crate::{
     disc_table::{DiscTable, ramp},
     lens_map::{Footprint, IrisFootprint, PixelLens, RoundFootprint},
     surface::{Surface, pixel_q},
+    tiles::by_tiles,
 };
 
-/// Side of a tile in pixels: a work item, it never changes a result.
-const TILE: u32 = 32;
 /// Share of the iris that the first layer must leave open before hidden layers count in full.
 const FULLY_OPEN: f32 = 0.1;
 
@@ -88,41 +85,9 @@ pub(crate) fn gather(
     let round = model == KernelModel::Disc && camera.iris.shape() == optics::ApertureShape::Disc;
     let job = Job { view, camera, model, max_radius, surfaces, cells, table };
 
-    // Work through the tiles on all cores
-    let tiles = tiles(window);
-    let done = AtomicU64::new(0);
-    let finished: Vec<Vec<[f32; 4]>> = tiles
-        .par_iter()
-        .map(|&tile| {
-            if progress.is_cancelled() {
-                return Err(Cancelled);
-            }
-            let pixels = if round {
-                job.tile(&RoundFootprint, tile)
-            } else {
-                job.tile(&IrisFootprint(job.table.outline()), tile)
-            };
-            progress.report(done.fetch_add(1, Ordering::Relaxed) + 1, tiles.len() as u64);
-            Ok(pixels)
-        })
-        .collect::<Result<_, _>>()?;
-
-    let mut picture = Picture::filled(window, [0.0; 4]);
-    for (tile, pixels) in tiles.iter().zip(&finished) {
-        for ((x, y), &rgba) in tile.pixels().zip(pixels) {
-            picture.set(x, y, rgba);
-        }
-    }
-    Ok(picture)
-}
-
-/// `window` cut into tiles.
-fn tiles(window: PixelWindow) -> Vec<PixelWindow> {
-    let starts = |from: i32, end: i32| (from..end).step_by(TILE as usize);
-    starts(window.y, window.y_end())
-        .flat_map(|y| starts(window.x, window.x_end()).map(move |x| (x, y)))
-        .map(|(x, y)| PixelWindow { x, y, width: TILE, height: TILE }.intersection(&window))
-        .collect()
+    by_tiles(window, progress, |tile| {
+        if round { job.tile(&RoundFootprint, tile) } else { job.tile(&IrisFootprint(job.table.outline()), tile) }
+    })
 }
 
 /// What a pixel has gathered: colour, and how full its iris is.

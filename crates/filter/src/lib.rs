@@ -20,6 +20,7 @@ mod gather;
 mod lens_map;
 mod own_coc;
 mod surface;
+mod tiles;
 mod view;
 
 pub use apply::{Filtered, Method, apply, coc_radius_px, reach_px};

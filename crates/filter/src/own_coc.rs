@@ -4,15 +4,14 @@
 //! sharp foreground, and a blurred foreground keeps a hard silhouette. Hidden layers are not looked at.
 
 use optics::{Camera, KernelModel};
-use rayon::prelude::*;
 use rgbd::{Cancelled, Picture, PixelWindow, Progress};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::{
     FrameView,
     disc_table::{DiscTable, ramp},
     lens_map::{Footprint, IrisFootprint, PixelLens},
     surface::{Surface, pixel_q},
+    tiles::by_tiles,
 };
 
 /// Averages `window`; `max_radius` in pixels.
@@ -52,21 +51,5 @@ pub(crate) fn own_coc(
         if total > 0.0 { sum.map(|c| c / total) } else { surface.rgba[here] }
     };
 
-    let done = AtomicU64::new(0);
-    let rows: Vec<Vec<[f32; 4]>> = (window.y..window.y_end())
-        .into_par_iter()
-        .map(|y| {
-            if progress.is_cancelled() {
-                return Err(Cancelled);
-            }
-            let row = (window.x..window.x_end()).map(|x| pixel(x, y)).collect();
-            progress.report(done.fetch_add(1, Ordering::Relaxed) + 1, u64::from(window.height));
-            Ok(row)
-        })
-        .collect::<Result<_, _>>()?;
-    let mut picture = Picture::filled(window, [0.0; 4]);
-    for ((x, y), &rgba) in window.pixels().zip(rows.iter().flatten()) {
-        picture.set(x, y, rgba);
-    }
-    Ok(picture)
+    by_tiles(window, progress, |tile| tile.pixels().map(|(x, y)| pixel(x, y)).collect())
 }

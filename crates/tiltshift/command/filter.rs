@@ -114,6 +114,8 @@ impl MethodOptions {
 }
 
 pub(crate) fn run(options: &Options) -> Outcome {
+    options.film.check()?;
+    options.lens.check()?;
     let outputs: Vec<&Path> = [Some(options.output.as_path()), options.png.as_deref()].into_iter().flatten().collect();
     refuse_overwriting(&[&options.input], &outputs)?;
     for output in outputs {

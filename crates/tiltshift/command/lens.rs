@@ -13,7 +13,7 @@ use optics::{OpticsError, Pose};
 use self::report::{Asked, Report};
 use crate::console;
 use crate::failure::Outcome;
-use crate::lens_options::{Chosen, FilmOptions, LensOptions};
+use crate::lens_options::{Chosen, FilmOptions, LensOptions, positive_mm};
 use crate::values::{Pixel, Size};
 
 /// What was typed.
@@ -134,26 +134,9 @@ impl Options {
             bail!("the lens is not fully known; please add {}", missing.join("; "));
         }
 
-        // Say lengths and angles as they were typed
-        let lengths = [
-            ("--focal-length", film.focal_length),
-            ("--sensor-width", film.sensor_width),
-            ("--image-distance", self.image_distance),
-        ];
-        for (name, length) in lengths {
-            if let Some(length) = length.filter(|&length| !(length > 0.0 && length.is_finite())) {
-                bail!("{name} is {length} mm; it must be positive");
-            }
-        }
-        for (name, angle) in [("--tilt", lens.tilt), ("--swing", lens.swing)] {
-            if let Some(angle) = angle.filter(|angle| angle.is_nan() || angle.abs() >= 90.0) {
-                bail!("{name} is {angle} degrees; it must be between -90 and 90");
-            }
-        }
-        if let Some(plane) = lens.focus_plane.filter(|plane| plane.0.is_nan() || plane.0 == 0.0 || plane.0.abs() > 90.0)
-        {
-            bail!("--focus-plane has an angle of {} degrees; it must be between -90 and 90, and not 0", plane.0);
-        }
+        film.check()?;
+        lens.check()?;
+        positive_mm("--image-distance", self.image_distance)?;
         if !(self.coc >= 0.0 && self.coc.is_finite()) {
             bail!("--coc is {} px; it must be 0 or positive", self.coc);
         }
