@@ -20,7 +20,7 @@ use rgbd::{Cancelled, Picture, PixelWindow, Progress};
 use crate::{
     FrameView, KernelRule,
     cells::Cells,
-    disc_table::{DiscTable, ramp},
+    disc_table::DiscTable,
     lens_map::{Footprint, IrisFootprint, PixelLens, RoundFootprint},
     surface::{Surface, pixel_q},
     tiles::by_tiles,
@@ -234,16 +234,16 @@ impl Job<'_> {
         if dx * dx + dy * dy > outer * outer {
             return 0.0;
         }
-        let (edge, weight) = self.table.at(radius);
-        let inside = ramp(footprint.distance(lens, dx, dy, lens.scale * defocus, edge));
+        let kernel = self.table.at(radius);
+        let inside = footprint.inside(lens, dx, dy, lens.scale * defocus, &kernel);
         if inside <= 0.0 || radius <= SLOPE_FROM {
-            return inside * weight;
+            return inside * kernel.weight;
         }
 
         // Count a sloped surface by the part of the iris it fills; not where the footprint is too small to have one
         let factor = (1.0 - (slope[0] * dx + slope[1] * dy) / defocus).clamp(0.5, 2.0);
         let trust = (radius - SLOPE_FROM).min(1.0);
-        inside * weight * (1.0 + trust * (factor - 1.0))
+        inside * kernel.weight * (1.0 + trust * (factor - 1.0))
     }
 }
 

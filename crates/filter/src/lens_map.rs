@@ -7,7 +7,7 @@
 use glam::{DMat2, DVec2};
 use optics::{Camera, KernelModel};
 
-use crate::disc_table::Outline;
+use crate::disc_table::{Kernel, Outline, ramp};
 
 /// How the shape of a pixel's footprint is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,10 +98,10 @@ impl PixelLens {
 
 /// A footprint's outline around a pixel.
 pub(crate) trait Footprint: Sync {
-    /// How many pixels an offset (x right, y down) lies outside the outline of `edge` radius; negative inside.
+    /// How much of a pixel at an offset (x right, y down) lies inside the kernel's outline, 0 to 1.
     ///
     /// `defocus` is the neighbour's, in pixels of radius: its sign turns the iris upside down.
-    fn distance(&self, lens: &PixelLens, x: f32, y: f32, defocus: f32, edge: f32) -> f32;
+    fn inside(&self, lens: &PixelLens, x: f32, y: f32, defocus: f32, kernel: &Kernel) -> f32;
 }
 
 /// A full disc: no skew, no tilt, no blades. The fast path of [`IrisFootprint`].
@@ -109,8 +109,8 @@ pub(crate) struct RoundFootprint;
 
 impl Footprint for RoundFootprint {
     #[inline(always)]
-    fn distance(&self, _lens: &PixelLens, x: f32, y: f32, _defocus: f32, edge: f32) -> f32 {
-        (x * x + y * y).sqrt() - edge
+    fn inside(&self, _lens: &PixelLens, x: f32, y: f32, _defocus: f32, kernel: &Kernel) -> f32 {
+        ramp((x * x + y * y).sqrt() - kernel.edge)
     }
 }
 
@@ -119,7 +119,7 @@ pub(crate) struct IrisFootprint<'a>(pub(crate) &'a Outline);
 
 impl Footprint for IrisFootprint<'_> {
     #[inline(always)]
-    fn distance(&self, lens: &PixelLens, x: f32, y: f32, defocus: f32, edge: f32) -> f32 {
+    fn inside(&self, lens: &PixelLens, x: f32, y: f32, defocus: f32, kernel: &Kernel) -> f32 {
         let m = &lens.to_iris;
         let (mut a, mut b) = (m[0] * x + m[1] * y, m[2] * x + m[3] * y);
         // Undo the skew where the footprint is large enough to have a shape
@@ -128,6 +128,6 @@ impl Footprint for IrisFootprint<'_> {
             (a, b) = (a * factor, b * factor);
         }
         let sign = if defocus < 0.0 { -1.0 } else { 1.0 };
-        self.0.distance(sign * a, sign * b, edge)
+        self.0.inside(sign * a, sign * b, kernel)
     }
 }

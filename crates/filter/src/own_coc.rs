@@ -8,7 +8,7 @@ use rgbd::{Cancelled, Picture, PixelWindow, Progress};
 
 use crate::{
     FrameView,
-    disc_table::{DiscTable, ramp},
+    disc_table::DiscTable,
     lens_map::{Footprint, IrisFootprint, PixelLens},
     surface::{Surface, pixel_q},
     tiles::by_tiles,
@@ -36,12 +36,12 @@ pub(crate) fn own_coc(
         let lens = PixelLens::new(camera, model, pixel_q(view, camera, x, y));
         let defocus = lens.scale * (surface.inverse_depth[here] - lens.focus);
         let radius = defocus.abs().min(max_radius);
-        let (edge, _) = table.at(radius);
+        let kernel = table.at(radius);
         let reach = (radius * lens.stretch() + 1.5) as u32;
         let around = PixelWindow { x, y, width: 1, height: 1 }.grown(reach, reach).intersection(&surface.window);
         let (mut sum, mut total) = ([0.0; 4], 0.0);
         for (u, v) in around.pixels() {
-            let weight = ramp(footprint.distance(&lens, (u - x) as f32, (v - y) as f32, defocus, edge));
+            let weight = footprint.inside(&lens, (u - x) as f32, (v - y) as f32, defocus, &kernel);
             if weight > 0.0 {
                 total += weight;
                 let rgba = surface.rgba[surface.window.index(u, v)];
