@@ -22,13 +22,14 @@ impl Mesh {
     /// Reads an OBJ or glTF file, told by its extension.
     pub(crate) fn read(path: &Path) -> Result<Self, FileError> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        refuse_special(path).map_err(|source| FileError::Read { path: path.to_owned(), source })?;
-        let mesh = match extension.as_str() {
-            "obj" => obj_mesh::read(path),
-            "gltf" | "glb" => gltf_mesh::read(path),
-            _ => Err("the extension is none of .obj, .gltf, .glb".to_owned()),
+        let fault = |message: String| FileError::Mesh { path: path.to_owned(), message };
+        let read = match extension.as_str() {
+            "obj" => obj_mesh::read,
+            "gltf" | "glb" => gltf_mesh::read,
+            _ => return Err(fault("the extension is none of .obj, .gltf, .glb".to_owned())),
         };
-        mesh.map_err(|message| FileError::Mesh { path: path.to_owned(), message })
+        refuse_special(path).map_err(|source| FileError::Read { path: path.to_owned(), source })?;
+        read(path).map_err(fault)
     }
 
     /// The index of a material for surfaces that have none: white, reflecting 80 %.
