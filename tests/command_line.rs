@@ -158,6 +158,7 @@ fn bad_requests_exit_with_2_and_say_in_one_line_what_would_do() {
         (&["filter", "t.exr", "-o", "o.exr", "-N", "2", "--focal-length", "50", "--focus-distance", "1"], "depth"),
         (&["filter", "d.exr", "-o", "o.exr", "--max-radius", "-1"], "largest blur radius"),
         (&["filter", "d.exr", "-o", "o.exr", "--tilt", "90"], "degrees"),
+        (&["filter", "d.exr", "-o", "o.png"], "--png"),
         (&["compare", "t.exr", "missing.exr"], "missing.exr"),
         (&["render", &scene, "--shot", "nosuch"], "nosuch"),
         (&["render", &scene, "--shot", "tilt", "--noise", "-1"], "--noise"),

@@ -64,6 +64,17 @@ pub(crate) fn refuse_overwriting(inputs: &[&Path], outputs: &[&Path]) -> anyhow:
     Ok(())
 }
 
+/// Fails if an EXR would get another kind of file's name.
+pub(crate) fn expect_exr(output: &Path) -> anyhow::Result<()> {
+    let ending = output.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    match ending.as_deref() {
+        Some("png" | "jpg" | "jpeg" | "tif" | "tiff" | "hdr") => {
+            bail!("{output:?} would hold OpenEXR; name it .exr (--png writes a PNG beside it)")
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Whether two paths name one file, existing or not.
 fn same_place(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {

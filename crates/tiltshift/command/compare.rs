@@ -102,9 +102,12 @@ pub(crate) fn run(options: &Options) -> Outcome {
         }
         None => None,
     };
+    // Files of one name in several folders go by their paths
+    let stems: Vec<String> = options.candidates.iter().map(|path| short_name(path)).collect();
+    let is_unique = |stem: &String| stems.iter().filter(|other| *other == stem).count() == 1;
+    let name_of = |path: &Path| Some(short_name(path)).filter(is_unique).unwrap_or_else(|| path.display().to_string());
     let named = options.candidates.iter().zip(&pictures);
-    let candidates =
-        named.map(|(path, picture)| entry(short_name(path), "", picture)).collect::<Result<Vec<_>, _>>()?;
+    let candidates = named.map(|(path, picture)| entry(name_of(path), "", picture)).collect::<Result<Vec<_>, _>>()?;
 
     if is_interrupted() {
         return Err(Failure::Interrupted);

@@ -10,7 +10,7 @@ use rgbd::{Frame, Head, LensAttributes, Loaded, PixelWindow, read_frame, survey_
 
 use crate::console::{Bar, say};
 use crate::failure::Outcome;
-use crate::files::{Packing, make_folder_of, notes, refuse_overwriting, write_options};
+use crate::files::{Packing, expect_exr, make_folder_of, notes, refuse_overwriting, write_options};
 use crate::lens_options::{Chosen, FilmOptions, LensOptions};
 use crate::read_arguments::ReadArguments;
 use crate::values::{Pixel, stops};
@@ -116,6 +116,7 @@ impl MethodOptions {
 pub(crate) fn run(options: &Options) -> Outcome {
     options.film.check()?;
     options.lens.check()?;
+    expect_exr(&options.output)?;
     let outputs: Vec<&Path> = [Some(options.output.as_path()), options.png.as_deref()].into_iter().flatten().collect();
     refuse_overwriting(&[&options.input], &outputs)?;
     for output in outputs {

@@ -11,7 +11,7 @@ use trace::{LayerSettings, LayeredFrame, Margin, Scene, SceneFile, Shot};
 use crate::command::filter::sensor_mm;
 use crate::console::{Bar, print, say};
 use crate::failure::Outcome;
-use crate::files::{Packing, make_folder_of, notes, refuse_overwriting, write_options};
+use crate::files::{Packing, expect_exr, make_folder_of, notes, refuse_overwriting, write_options};
 use crate::values::{Size, positive, stops};
 
 /// Trace a scene through a tilted lens.
@@ -98,6 +98,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
         .replace(['/', '\\'], "_");
     let truth_path = options.output.clone().unwrap_or_else(|| format!("out/{name}.exr").into());
     let rgbd_path = options.rgbd.clone().unwrap_or_else(|| format!("out/{name}_rgbd.exr").into());
+    expect_exr(&truth_path)?;
+    expect_exr(&rgbd_path)?;
     let outputs = [Some(truth_path.as_path()), Some(rgbd_path.as_path()), options.png.as_deref()];
     let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
     refuse_overwriting(&[&options.scene], &outputs)?;
