@@ -19,7 +19,7 @@ use crate::files::{Packing, command_line, make_folder, notes, write_options};
 
 /// Trace, filter and compare a scene of the project, and leave a report to open.
 #[derive(Debug, Args)]
-#[command(allow_negative_numbers = true)]
+#[command(allow_negative_numbers = true, mut_arg("spp", |spp| spp.default_value("128")))]
 pub(crate) struct Options {
     /// Scene.
     #[arg(long, value_enum, default_value_t)]
