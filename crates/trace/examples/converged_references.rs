@@ -15,21 +15,10 @@ mod reference_case;
 use std::path::Path;
 use std::time::Instant;
 
-use reference_case::Case;
+use reference_case::{CASES, Case};
 use rgbd::{Picture, PixelWindow, Silent};
 
 const BLOCK: i32 = 8;
-const CASES: [&str; 9] = [
-    "simple_pinhole",
-    "simple_untilted",
-    "simple_tilt",
-    "simple_tilt_2R",
-    "simple_combined",
-    "simple_combined_pinhole",
-    "landscape_pinhole",
-    "landscape_untilted",
-    "landscape_reverse",
-];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);

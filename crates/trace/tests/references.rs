@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
 use optics::{Camera, Focus, Iris};
-use reference_case::Case;
+use reference_case::{CASES, Case};
 use rgbd::{Picture, PixelWindow, Silent, Truth};
 use trace::Scene;
 
@@ -24,18 +24,6 @@ const BLOCK: i32 = 8;
 const SLACK: f64 = 1.15;
 /// One mean in 370 lies farther off by chance; the seeds are fixed.
 const STANDARD_ERRORS: f64 = 3.0;
-
-const CASES: [&str; 9] = [
-    "simple_pinhole",
-    "simple_untilted",
-    "simple_tilt",
-    "simple_tilt_2R",
-    "simple_combined",
-    "simple_combined_pinhole",
-    "landscape_pinhole",
-    "landscape_untilted",
-    "landscape_reverse",
-];
 
 fn scene(folder: &Path, name: &str) -> &'static Scene {
     static SCENES: [OnceLock<Scene>; 2] = [OnceLock::new(), OnceLock::new()];

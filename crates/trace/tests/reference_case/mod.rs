@@ -9,6 +9,19 @@ use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
 use rgbd::{Picture, PixelWindow, Plane};
 use trace::{Scene, SceneFile};
 
+/// All cases through a lens or a pinhole.
+pub(crate) const CASES: [&str; 9] = [
+    "simple_pinhole",
+    "simple_untilted",
+    "simple_tilt",
+    "simple_tilt_2R",
+    "simple_combined",
+    "simple_combined_pinhole",
+    "landscape_pinhole",
+    "landscape_untilted",
+    "landscape_reverse",
+];
+
 /// The folder of the references, if there is one; says so if not.
 pub(crate) fn folder() -> Option<PathBuf> {
     let shared = std::env::var_os("TILTSHIFT_SHARED").map(|shared| PathBuf::from(shared).join("reference"));
