@@ -8,13 +8,12 @@ mod support {
     pub(crate) mod table;
 }
 
-use compare::{GivenNoise, MaskKind, Masks, Reference};
+use compare::MaskKind;
 use filter::{FrameView, GatherSettings, Method};
-use glam::DVec2;
-use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
-use rgbd::{Frame, Picture, ReadOptions, Silent, read_frame, read_picture};
+use optics::Camera;
+use rgbd::{Frame, Picture, Silent};
 
-use support::cases::{Case, json, number};
+use support::cases::Case;
 use support::score::Score;
 use support::shared;
 use support::table::Table;
@@ -22,27 +21,26 @@ use support::table::Table;
 /// A row of DESIGN's table: what a brute-force prototype reached (PSNR all / edges / interior).
 struct Row {
     case: &'static str,
-    rgbd: &'static str,
     largest_radius_px: f64,
     unfiltered: Score,
     one_layer: Score,
     two_layers: Score,
 }
 
-const fn row(case: &'static str, rgbd: &'static str, largest_radius_px: f64, figures: [[f64; 3]; 3]) -> Row {
+const fn row(case: &'static str, largest_radius_px: f64, figures: [[f64; 3]; 3]) -> Row {
     let [unfiltered, one_layer, two_layers] = figures;
     let [unfiltered, one_layer, two_layers] = [Score(unfiltered), Score(one_layer), Score(two_layers)];
-    Row { case, rgbd, largest_radius_px, unfiltered, one_layer, two_layers }
+    Row { case, largest_radius_px, unfiltered, one_layer, two_layers }
 }
 
 #[rustfmt::skip]
 const PROTOTYPE: [Row; 6] = [
-    row("simple_untilted", "simple_rgbd", 6.6, [[21.2, 22.8, 21.1], [42.9, 32.0, 50.9], [45.6, 35.5, 50.8]]),
-    row("simple_tilt", "simple_rgbd", 7.2, [[36.0, 26.1, 40.8], [39.6, 29.0, 46.2], [45.0, 38.6, 46.2]]),
-    row("simple_tilt_2R", "simple_rgbd", 14.4, [[30.1, 24.8, 32.3], [36.5, 28.9, 43.3], [41.9, 37.6, 43.3]]),
-    row("simple_combined", "simple_combined_rgbd", 5.7, [[22.9, 24.3, 22.8], [41.3, 31.8, 45.3], [43.0, 34.9, 45.3]]),
-    row("landscape_untilted", "landscape_rgbd", 15.8, [[28.2, 28.6, 27.9], [45.2, 42.3, 56.6], [49.2, 46.5, 56.8]]),
-    row("landscape_reverse", "landscape_rgbd", 24.2, [[25.7, 25.8, 25.3], [46.7, 45.2, 57.9], [49.4, 48.0, 58.1]]),
+    row("simple_untilted", 6.6, [[21.2, 22.8, 21.1], [42.9, 32.0, 50.9], [45.6, 35.5, 50.8]]),
+    row("simple_tilt", 7.2, [[36.0, 26.1, 40.8], [39.6, 29.0, 46.2], [45.0, 38.6, 46.2]]),
+    row("simple_tilt_2R", 14.4, [[30.1, 24.8, 32.3], [36.5, 28.9, 43.3], [41.9, 37.6, 43.3]]),
+    row("simple_combined", 5.7, [[22.9, 24.3, 22.8], [41.3, 31.8, 45.3], [43.0, 34.9, 45.3]]),
+    row("landscape_untilted", 15.8, [[28.2, 28.6, 27.9], [45.2, 42.3, 56.6], [49.2, 46.5, 56.8]]),
+    row("landscape_reverse", 24.2, [[25.7, 25.8, 25.3], [46.7, 45.2, 57.9], [49.4, 48.0, 58.1]]),
 ];
 
 /// How far below the prototype the filter may stay.
@@ -66,7 +64,7 @@ fn the_gather_reaches_the_prototype_on_every_reference() {
     let mut table = Table::new("Gather against the reference pictures, PSNR in dB");
     let mut failures = Vec::new();
     for row in PROTOTYPE {
-        let case = Case::read(&folder.join("reference"), row.case, row.rgbd);
+        let case = Case::read(&folder.join("reference"), row.case);
         let score = |method| Score::new(&case.reference, &filtered(&case.frame, &case.camera, method), &case.masks);
 
         // Check camera and masks by what does not depend on any filter
@@ -102,32 +100,7 @@ const CYCLES_FLOORS: [f64; 2] = [41.5, 34.0];
 #[test]
 fn the_gather_comes_near_a_picture_that_cycles_took() {
     let Some(folder) = shared::folder() else { return };
-    let folder = folder.join("reference/blender");
-    let said = json(&folder.join("simple_dof40px_reference_192spp.json"));
-    let read = |name: &str| read_frame(&folder.join(name), &ReadOptions::default()).expect("colour and depth").value;
-    let frame = read("simple_pinhole_1280x720_64spp_RGBZ.exr");
-
-    // An untilted lens; the focal length is given in pixels
-    let half = 0.5 * DVec2::new(f64::from(frame.display.width), f64::from(frame.display.height));
-    let half = half / number(&said["focal_px"]);
-    let camera = Camera {
-        pose: Pose::IDENTITY,
-        film: Film::new(-half, half, frame.display.width, frame.display.height).expect("a window"),
-        focus: Focus::at_depth(number(&said["focus_distance"])).expect("a depth"),
-        iris: Iris::upright(0.5 * number(&said["aperture_diameter"]), ApertureShape::Disc).expect("a radius"),
-    };
-
-    // Its edges reach 20 px, as those of the figures that others were measured by; the noise is given
-    let masks = Masks::from_frame(&frame, &camera, Some(20.0)).expect("a film of the frame's size");
-    let noise = GivenNoise {
-        all: Some(number(&said["noise_mse_full"])),
-        edges: Some(number(&said["noise_mse_edge"])),
-        interior: None,
-    };
-    let path = folder.join("simple_dof40px_reference_192spp.exr");
-    let picture = read_picture(&path, &ReadOptions::default()).expect("a reference picture").value;
-    let reference = Reference::from_picture(&picture, frame.display, noise).expect("one window");
-
+    let Case { frame, camera, masks, reference } = Case::of_cycles(&folder.join("reference/blender"), "simple");
     let score = |method| Score::new(&reference, &filtered(&frame, &camera, method), &masks);
     let (unfiltered, found) = (score(Method::Pinhole), score(gather(1)));
     let [all, edges] = CYCLES_FLOORS;

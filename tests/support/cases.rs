@@ -16,9 +16,18 @@ pub(crate) struct Case {
     pub(crate) reference: Reference,
 }
 
+/// The cases of tilted, swung and shifted lenses that have a depth of field.
+pub(crate) const REFERENCES: [&str; 6] =
+    ["simple_untilted", "simple_tilt", "simple_tilt_2R", "simple_combined", "landscape_untilted", "landscape_reverse"];
+
 impl Case {
-    /// Reads `NAME.json`, `NAME_ref.exr` and the RGB-D frame `RGBD.exr` of a folder.
-    pub(crate) fn read(folder: &Path, name: &str, rgbd: &str) -> Self {
+    /// Reads `NAME.json`, `NAME_ref.exr` and the RGB-D frame that belongs to it.
+    pub(crate) fn read(folder: &Path, name: &str) -> Self {
+        let rgbd = match name {
+            "simple_combined" => "simple_combined_rgbd",
+            _ if name.starts_with("simple") => "simple_rgbd",
+            _ => "landscape_rgbd",
+        };
         let camera = camera(&json(&folder.join(format!("{name}.json"))));
         let frame = read_frame(&folder.join(format!("{rgbd}.exr")), &ReadOptions::default()).expect("an RGB-D frame");
         let frame = frame.value;
@@ -29,6 +38,38 @@ impl Case {
         let picture = read_picture(&path, &ReadOptions::default()).expect("a reference picture").value;
         let reference = Reference::from_picture(&picture, frame.display, GivenNoise::default()).expect("one window");
         let masks = Masks::from_frame(&frame, &camera, None).expect("a film of the frame's size");
+        Self { frame, camera, masks, reference }
+    }
+}
+
+impl Case {
+    /// A picture that Blender's Cycles took through an untilted lens, of colour and depth without margin or hidden layer.
+    ///
+    /// Its edges reach 20 px, as those of the figures that other programs were measured by; the noise is given.
+    pub(crate) fn of_cycles(folder: &Path, scene: &str) -> Self {
+        let name = format!("{scene}_dof40px_reference_192spp");
+        let said = json(&folder.join(format!("{name}.json")));
+        let rgbz = folder.join(format!("{scene}_pinhole_1280x720_64spp_RGBZ.exr"));
+        let frame = read_frame(&rgbz, &ReadOptions::default()).expect("colour and depth").value;
+
+        // The focal length is given in pixels
+        let half = 0.5 * DVec2::new(f64::from(frame.display.width), f64::from(frame.display.height));
+        let half = half / number(&said["focal_px"]);
+        let camera = Camera {
+            pose: Pose::IDENTITY,
+            film: Film::new(-half, half, frame.display.width, frame.display.height).expect("a window"),
+            focus: Focus::at_depth(number(&said["focus_distance"])).expect("a depth"),
+            iris: Iris::upright(0.5 * number(&said["aperture_diameter"]), ApertureShape::Disc).expect("a radius"),
+        };
+        let masks = Masks::from_frame(&frame, &camera, Some(20.0)).expect("a film of the frame's size");
+        let noise = GivenNoise {
+            all: Some(number(&said["noise_mse_full"])),
+            edges: Some(number(&said["noise_mse_edge"])),
+            interior: None,
+        };
+        let path = folder.join(format!("{name}.exr"));
+        let picture = read_picture(&path, &ReadOptions::default()).expect("a reference picture").value;
+        let reference = Reference::from_picture(&picture, frame.display, noise).expect("one window");
         Self { frame, camera, masks, reference }
     }
 }

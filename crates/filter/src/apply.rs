@@ -1,12 +1,13 @@
 //! The one door to all methods.
 
+use fearless_simd::Level;
 use glam::DVec2;
 use optics::{Camera, DepthRange, KernelChoice, KernelModel, Reading};
 use rgbd::{Picture, PixelWindow, Plane, Progress};
 
 use crate::{
     FilterError, FrameView, GatherSettings, KernelRule,
-    gather::gather,
+    gather::{GatherRun, gather},
     lens_map::PixelLens,
     own_coc::own_coc,
     surface::{HOLE_REACH, pixel_q},
@@ -21,12 +22,14 @@ pub enum Method {
     OwnCoc(GatherSettings),
     /// Every neighbour whose footprint covers the pixel contributes, nearest first.
     Gather(GatherSettings),
+    /// The same, with neighbours merged where the blur is large.
+    Merged(GatherSettings),
 }
 
 impl Default for Method {
-    /// The gather with its default settings.
+    /// The merged gather with its default settings.
     fn default() -> Self {
-        Self::Gather(GatherSettings::default())
+        Self::Merged(GatherSettings::default())
     }
 }
 
@@ -38,13 +41,14 @@ impl Method {
             Self::Pinhole => "pinhole",
             Self::OwnCoc(_) => "own-coc",
             Self::Gather(_) => "gather",
+            Self::Merged(_) => "merged",
         }
     }
 
     fn settings(&self) -> Option<&GatherSettings> {
         match self {
             Self::Pinhole => None,
-            Self::OwnCoc(settings) | Self::Gather(settings) => Some(settings),
+            Self::OwnCoc(settings) | Self::Gather(settings) | Self::Merged(settings) => Some(settings),
         }
     }
 }
@@ -116,7 +120,18 @@ pub fn apply(
 
     let picture = match method {
         Method::OwnCoc(_) => own_coc(view, camera, model, limit, window, progress)?,
-        _ => gather(view, camera, model, settings, limit, window, progress)?,
+        _ => {
+            let run = GatherRun {
+                model,
+                max_radius: limit,
+                layers: view.frame().layers().len().min(settings.layers.max(1)),
+                fill_reach: 2.0 * limit,
+                merge: matches!(method, Method::Merged(_)),
+                level: Level::new(),
+                doubt: false,
+            };
+            gather(view, camera, &run, window, progress)?.picture
+        }
     };
     let cut_to_px = (largest_radius_px > limit).then_some(limit);
     Ok(Filtered { picture, kernel: model, kernel_choice, largest_radius_px, cut_to_px })

@@ -1,35 +1,54 @@
-//! Rung 2: the Potmesil-style gather, in depth order.
+//! Rungs 2 and 3: the Potmesil-style gather, in depth order.
 //!
 //! For each pixel, every neighbour whose footprint covers it contributes with the share of the iris that it fills: one
-//! over the footprint's area, times the slope factor below. Neighbours are taken nearest first until the iris is full:
-//! what is nearer hides what is farther (a sharp foreground is not invaded by a blurred background), and where the nearer
-//! ones leave the iris open, what lies behind shows through (a blurred foreground is see-through at its rim).
-//! What stays open in the end (beyond the border, behind a silhouette) is shared by what is there: the weights are
-//! normalised, so that a furnace stays 1.
+//! over the footprint's area, times the slope factor below. Neighbours are taken slab by slab, nearest first, until the
+//! iris is full: what is nearer hides what is farther (a sharp foreground is not invaded by a blurred background), and
+//! where the nearer ones leave the iris open, what lies behind shows through (a blurred foreground is see-through at its
+//! rim). What stays open in the end (beyond the border) is shared by what is there: the weights are normalised, so that a
+//! furnace stays 1.
 //!
 //! **Slope factor.** On a plane the inverse depth is affine in the pixel, so the map from pixels to iris points is known
 //! exactly: a pixel at defocus d fills `|d0| / |d|^3` of the iris, where d0 is the defocus that the neighbour's plane
 //! has at the receiving pixel. Without the factor d0/d the weights of a sloped floor do not sum to 1.
 //!
-//! **Hidden layers** take part only as far as the first layer leaves the iris open, from nothing at 0 % to all at 10 %:
-//! the first layer's own weights sum to 1 only within a few percent where surfaces curve.
+//! **Which part of the iris.** A neighbour is seen through a known lens point: its offset over its defocus. A near thing
+//! beside a pixel hides the lens points on one side; if the background lies beyond the plane of focus, these are just the
+//! points through which the *visible* background would be seen, and what is seen instead is the background that the near
+//! thing hides. So the share and the centroid of the lens points that nearer slabs fill are kept, read as a half plane of
+//! the lens, and what is seen through it does not count.
+//!
+//! **Rung 3** is the same with neighbours merged into squares whose side grows with the blur ([`Forest`]).
 
+use fearless_simd::{Level, dispatch};
 use optics::{Camera, KernelModel};
-use rgbd::{Cancelled, Picture, PixelWindow, Progress};
+use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
 use crate::{
     FrameView, KernelRule,
-    cells::Cells,
-    disc_table::DiscTable,
-    lens_map::{Footprint, IrisFootprint, PixelLens, RoundFootprint},
-    surface::{Surface, pixel_q},
-    tiles::by_tiles,
+    forest::{Forest, Piece},
+    kernel::KernelTable,
+    lens_map::PixelLens,
+    prepare::Prepared,
+    row::{BlockTap, Footprint, LANES, Round, Row, Shaped, Slab, gather_row},
+    surface::pixel_q,
+    tap::Weight,
+    tiles::{TILE, by_tiles},
 };
 
-/// Share of the iris that the first layer must leave open before hidden layers count in full.
-const FULLY_OPEN: f32 = 0.1;
+/// Depth of a slab in pixels of blur radius: surfaces nearer to each other do not hide one another.
+pub(crate) const SLAB_PX: f32 = 0.5;
 
-/// Settings of [`Method::Gather`](crate::Method::Gather).
+/// A merged square stands for its pixels where the blur radius is at least this many of its sides.
+const SIDES_PER_RADIUS: f32 = 5.0;
+
+/// Weights are affine in the focus over a tile where the radius changes by at most this share, or this many pixels.
+const STEADY_SHARE: f32 = 0.04;
+const STEADY_PX: f32 = 0.02;
+
+/// Rows of a block.
+const BLOCK_ROWS: usize = 4;
+
+/// Settings of [`Method::Gather`](crate::Method::Gather) and [`Method::Merged`](crate::Method::Merged).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GatherSettings {
     /// Shape of the footprint.
@@ -47,205 +66,348 @@ impl Default for GatherSettings {
     }
 }
 
-/// A pixel of a surface on its way into a tile.
-#[derive(Clone, Copy)]
-struct Tap {
-    inverse_depth: f32,
-    x: i32,
-    y: i32,
-    layer: u32,
-    index: u32,
-}
-
-/// Everything that is the same for all tiles.
-struct Job<'a> {
+/// What all tiles share.
+pub(crate) struct Gather<'a> {
     view: &'a FrameView<'a>,
     camera: &'a Camera,
     model: KernelModel,
     max_radius: f32,
-    surfaces: Vec<Surface>,
-    cells: Vec<Cells>,
-    table: DiscTable,
+    /// Blur radius in pixels of a unit of inverse depth.
+    px: f32,
+    forest: Forest,
+    table: KernelTable,
+    merge: bool,
+    level: Level,
 }
 
-/// Gathers `window`; `max_radius` in pixels.
+/// Picture, and what the predicted error is made of.
+pub(crate) struct Gathered {
+    pub(crate) picture: Picture,
+    /// Mean doubt of what a pixel gathered, and what stayed open of its iris.
+    pub(crate) doubt: Option<[Plane; 2]>,
+}
+
+/// How a gather is run.
+#[derive(Clone, Copy)]
+pub(crate) struct GatherRun {
+    pub(crate) model: KernelModel,
+    /// Largest blur radius in pixels.
+    pub(crate) max_radius: f32,
+    /// How many layers are used.
+    pub(crate) layers: usize,
+    /// How far behind a silhouette is looked, in pixels.
+    pub(crate) fill_reach: f32,
+    /// Whether pixels are merged where the blur is large.
+    pub(crate) merge: bool,
+    /// The instructions to use.
+    pub(crate) level: Level,
+    /// Whether doubt is wanted too.
+    pub(crate) doubt: bool,
+}
+
+/// Gathers `window`.
 pub(crate) fn gather(
     view: &FrameView,
     camera: &Camera,
-    model: KernelModel,
-    settings: &GatherSettings,
-    max_radius: f32,
+    run: &GatherRun,
     window: PixelWindow,
     progress: &dyn Progress,
-) -> Result<Picture, Cancelled> {
-    let layers = view.frame().layers().len().min(settings.layers.max(1));
-    let surfaces: Vec<Surface> = (0..layers).map(|i| Surface::new(view, camera, i)).collect();
-    let cells = surfaces.iter().map(Cells::new).collect();
-    let table = DiscTable::new(camera.iris.shape());
+) -> Result<Gathered, Cancelled> {
+    let px = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
+    let prepared = Prepared::new(view, camera, run.layers, run.fill_reach);
+    let forest = Forest::new(prepared, px, if run.merge { 4 } else { 1 });
+    let table = KernelTable::new(camera.iris.shape());
+    let GatherRun { model, max_radius, merge, level, .. } = *run;
+    let job = Gather { view, camera, model, max_radius, px, forest, table, merge, level };
     let round = model == KernelModel::Disc && camera.iris.shape() == optics::ApertureShape::Disc;
-    let job = Job { view, camera, model, max_radius, surfaces, cells, table };
 
-    by_tiles(window, progress, |tile| {
-        if round { job.tile(&RoundFootprint, tile) } else { job.tile(&IrisFootprint(job.table.outline()), tile) }
-    })
+    let channels = if run.doubt { 6 } else { 4 };
+    let planes = by_tiles(window, channels, progress, |tile, out| {
+        if round { job.tile(&Round, tile, out) } else { job.tile(&Shaped(job.table.outline()), tile, out) }
+    })?;
+    let mut planes = planes.into_iter();
+    let picture = [(); 4].map(|()| planes.next().expect("four planes"));
+    let picture = Picture::from_planes(picture).expect("planes of one window");
+    let doubt = run.doubt.then(|| [(); 2].map(|()| planes.next().expect("two planes")));
+    Ok(Gathered { picture, doubt })
 }
 
-/// What a pixel has gathered: colour, and how full its iris is.
-#[derive(Clone, Copy, Default)]
-struct Gathered {
-    rgba: [f32; 4],
-    full: f32,
+/// The lens over a tile.
+struct TileLens {
+    center: PixelLens,
+    /// Smallest and largest focus over the tile.
+    focus: [f32; 2],
+    /// By how much the defocus differs at most from that at the centre, in pixels.
+    spread: f32,
+    stretch: f32,
 }
 
-impl Gathered {
-    fn normalised(&self) -> Option<[f32; 4]> {
-        (self.full > 0.0).then(|| self.rgba.map(|c| c / self.full))
+impl TileLens {
+    /// How far a range of inverse depth may reach, in pixels.
+    fn reach(&self, [far, near]: [f32; 2], max_radius: f32) -> f32 {
+        let defocus = (near - self.focus[0]).abs().max((far - self.focus[1]).abs());
+        (self.center.widest * defocus).min(max_radius * self.stretch) + 1.5
+    }
+
+    /// The least blur radius that a range of inverse depth has, in pixels.
+    fn least_radius(&self, [far, near]: [f32; 2]) -> f32 {
+        self.center.scale * (far - self.focus[1]).max(self.focus[0] - near).max(0.0)
     }
 }
 
-impl Job<'_> {
-    /// The colours of one tile, row by row.
-    fn tile(&self, footprint: &impl Footprint, tile: PixelWindow) -> Vec<[f32; 4]> {
-        let lenses: Vec<PixelLens> = tile
-            .pixels()
-            .map(|(x, y)| PixelLens::new(self.camera, self.model, pixel_q(self.view, self.camera, x, y)))
-            .collect();
-        let taps = self.taps(tile, &lenses);
+/// A piece ready for the blocks of a tile.
+#[derive(Clone, Copy)]
+struct Tap {
+    piece: Piece,
+    weight: Weight,
+    /// Whether the weight serves the whole tile.
+    is_steady: bool,
+    bin: i32,
+    reach: f32,
+}
 
-        // Nothing comes of nothing: most of a picture whose data window is small
-        let is_empty = |tap: &Tap| self.surfaces[tap.layer as usize].rgba[tap.index as usize] == [0.0; 4];
-        if taps.iter().all(is_empty) {
-            return vec![[0.0; 4]; tile.area()];
-        }
+/// What a thread keeps from tile to tile.
+#[derive(Default)]
+struct Scratch {
+    taps: Vec<Tap>,
+    order: Vec<u32>,
+    counts: Vec<u32>,
+    xs: Vec<f32>,
+    ys: Vec<f32>,
+    reaches: Vec<f32>,
+    block: Vec<BlockTap>,
+    slabs: Vec<Slab>,
+}
 
-        // Gather the first layer, then all of them where it leaves the iris open
-        let first = self.fill(footprint, tile, &lenses, taps.iter().filter(|tap| tap.layer == 0));
-        let is_open = |g: &Gathered| g.full < 1.0;
-        let hidden = taps.iter().any(|tap| tap.layer > 0) && first.iter().any(is_open);
-        let all = if hidden { self.fill(footprint, tile, &lenses, taps.iter()) } else { first.clone() };
+thread_local! {
+    static SCRATCH: std::cell::RefCell<Scratch> = std::cell::RefCell::default();
+}
 
-        let blend = |((x, y), (first, all)): ((i32, i32), (&Gathered, &Gathered))| {
-            let Some(visible) = first.normalised() else {
-                return all.normalised().unwrap_or_else(|| self.unfiltered(x, y));
-            };
-            let Some(complete) = all.normalised() else { return visible };
-            let share = ((1.0 - first.full) / FULLY_OPEN).clamp(0.0, 1.0);
-            [0, 1, 2, 3].map(|c| visible[c] + share * (complete[c] - visible[c]))
-        };
-        tile.pixels().zip(first.iter().zip(&all)).map(blend).collect()
+impl Gather<'_> {
+    /// The lens that a point sees; whole coordinates are pixel centres.
+    fn lens_at(&self, x: f64, y: f64) -> PixelLens {
+        let display = self.view.frame().display;
+        let at = glam::DVec2::new(x - f64::from(display.x) + 0.5, y - f64::from(display.y) + 0.5);
+        PixelLens::new(self.camera, self.model, self.camera.film.q_from_pixel(at))
     }
 
-    /// The first layer's colour, nothing outside the data.
-    fn unfiltered(&self, x: i32, y: i32) -> [f32; 4] {
-        let surface = &self.surfaces[0];
-        if surface.window.contains(x, y) { surface.rgba[surface.window.index(x, y)] } else { [0.0; 4] }
+    fn tile_lens(&self, tile: PixelWindow) -> TileLens {
+        let corner = |x: i32, y: i32| self.lens_at(f64::from(x), f64::from(y));
+        let (right, bottom) = (tile.x_end() - 1, tile.y_end() - 1);
+        let corners = [corner(tile.x, tile.y), corner(right, tile.y), corner(tile.x, bottom), corner(right, bottom)];
+        let middle = |start: i32, end: i32| 0.5 * (f64::from(start) + f64::from(end));
+        let center = self.lens_at(middle(tile.x, right), middle(tile.y, bottom));
+        let low = corners.iter().map(|lens| lens.focus).fold(f32::INFINITY, f32::min);
+        let high = corners.iter().map(|lens| lens.focus).fold(f32::NEG_INFINITY, f32::max);
+        let spread = center.scale * (high - center.focus).max(center.focus - low);
+        let stretch = corners.iter().map(PixelLens::stretch).fold(1.0, f32::max);
+        let widest = corners.iter().map(|lens| lens.widest).fold(0.0, f32::max);
+        TileLens { center: PixelLens { widest, ..center }, focus: [low, high], spread, stretch }
     }
 
-    /// All surface pixels that may cover a pixel of the tile, nearest first; ties by layer, row and column.
-    fn taps(&self, tile: PixelWindow, lenses: &[PixelLens]) -> Vec<Tap> {
-        let reach = self.reach(lenses);
-        let mut taps = Vec::new();
-        for (layer, (surface, cells)) in self.surfaces.iter().zip(&self.cells).enumerate() {
-            for part in cells.reaching(tile, &reach) {
-                for (x, y) in part.pixels() {
-                    let index = surface.window.index(x, y);
-                    if surface.cover[index] > 0.0 {
-                        let inverse_depth = surface.inverse_depth[index];
-                        taps.push(Tap { inverse_depth, x, y, layer: layer as u32, index: index as u32 });
+    /// One tile of the picture: `out` holds its channels, each row by row.
+    fn tile(&self, footprint: &impl Footprint, tile: PixelWindow, out: &mut [Vec<f32>]) {
+        // Tiles and blocks are anchored at pixel (0, 0), so that bands of a picture have the same ones
+        let anchored = PixelWindow { width: TILE, height: TILE, ..anchor(tile) };
+        let lens = self.tile_lens(anchored);
+        SCRATCH.with_borrow_mut(|scratch| {
+            self.collect(anchored, &lens, scratch);
+            if scratch.taps.iter().all(|tap| tap.piece.rgba == [0.0; 4]) {
+                return;
+            }
+            for y in (anchored.y..anchored.y_end()).step_by(BLOCK_ROWS) {
+                for x in (anchored.x..anchored.x_end()).step_by(LANES) {
+                    let block = PixelWindow { x, y, width: LANES as u32, height: BLOCK_ROWS as u32 };
+                    if !block.intersection(&tile).is_empty() {
+                        self.block(footprint, &lens, block, tile, scratch, out);
                     }
                 }
             }
-        }
-        taps.sort_unstable_by(|a, b| {
-            let nearer = b.inverse_depth.total_cmp(&a.inverse_depth);
-            nearer.then((a.layer, a.y, a.x).cmp(&(b.layer, b.y, b.x)))
         });
-        taps
     }
 
-    /// How many pixels a range of inverse depth may reach for these lenses: blur, ramp and rounding.
-    fn reach(&self, lenses: &[PixelLens]) -> impl Fn(f32, f32) -> f32 + use<> {
-        let stretch = lenses.iter().map(PixelLens::stretch).fold(1.0, f32::max);
-        let start = (f32::INFINITY, f32::NEG_INFINITY, 0.0_f32);
-        let (low, high, widest) = lenses.iter().fold(start, |(low, high, widest), lens| {
-            (low.min(lens.focus), high.max(lens.focus), widest.max(lens.widest))
+    /// Collects what may touch a tile, nearest slab first.
+    fn collect(&self, tile: PixelWindow, lens: &TileLens, scratch: &mut Scratch) {
+        let Scratch { taps, order, counts, xs, ys, reaches, .. } = scratch;
+        taps.clear();
+        let reach = |range: [f32; 2]| lens.reach(range, self.max_radius);
+        let serves = |piece: &Piece| {
+            self.merge && lens.least_radius(piece.range).min(self.max_radius) >= SIDES_PER_RADIUS * piece.size
+        };
+        // Slabs stand at fixed depths; beyond the limit of the blur they are all one
+        let slab = |s: f32| (s * self.px / SLAB_PX).clamp(-1e9, 1e9).floor() as i32;
+        let far = |by: f32| {
+            slab(lens.center.focus + by * (self.max_radius + lens.spread + 4.0) / lens.center.scale.max(1e-30))
+        };
+        let (lowest, highest) = (far(-1.0), far(1.0));
+        self.forest.visit(tile, &reach, &serves, &mut |piece| {
+            let weight = Weight::new(&self.table, piece, &lens.center, self.max_radius);
+            let is_steady = lens.spread <= STEADY_PX
+                || (self.merge && lens.spread <= STEADY_SHARE * weight.defocus.abs() && weight.defocus.abs() > 3.0);
+            let bin = slab(piece.inverse_depth).clamp(lowest, highest);
+            let reach = reach(piece.range) + 0.5 * (piece.size - 1.0) * 1.5;
+            taps.push(Tap { piece: *piece, weight, is_steady, bin, reach });
         });
-        let max_radius = self.max_radius;
-        move |nearest_sky: f32, nearest: f32| {
-            let defocus = (nearest - low).abs().max((nearest_sky - high).abs());
-            (widest * defocus).min(max_radius * stretch) + 2.0
+
+        // Sort by slab, nearest first; within a slab the order is that of the visit
+        let (low, high) =
+            taps.iter().fold((i32::MAX, i32::MIN), |(low, high), tap| (low.min(tap.bin), high.max(tap.bin)));
+        order.clear();
+        order.resize(taps.len(), 0);
+        if taps.is_empty() || i64::from(high) - i64::from(low) > 1 << 16 {
+            order.iter_mut().enumerate().for_each(|(i, place)| *place = i as u32);
+            order.sort_by_key(|&i| std::cmp::Reverse(taps[i as usize].bin));
+        } else {
+            counts.clear();
+            counts.resize((high - low) as usize + 2, 0);
+            taps.iter().for_each(|tap| counts[(high - tap.bin) as usize + 1] += 1);
+            (1..counts.len()).for_each(|i| counts[i] += counts[i - 1]);
+            for (i, tap) in taps.iter().enumerate() {
+                let place = &mut counts[(high - tap.bin) as usize];
+                order[*place as usize] = i as u32;
+                *place += 1;
+            }
+        }
+
+        // Lay out what finds the taps of a block
+        for (values, value) in [
+            (&mut *xs, (|tap| tap.piece.x) as fn(&Tap) -> f32),
+            (&mut *ys, |tap| tap.piece.y),
+            (&mut *reaches, |tap| tap.reach),
+        ] {
+            values.clear();
+            values.extend(order.iter().map(|&i| value(&taps[i as usize])));
+            // Fill the last vector with what touches nothing
+            values.resize(order.len().next_multiple_of(LANES), -1e9);
         }
     }
 
-    /// Fills each pixel's iris with the taps in their order.
-    fn fill<'t>(
+    /// One block of a tile.
+    fn block(
         &self,
         footprint: &impl Footprint,
+        tile_lens: &TileLens,
+        block: PixelWindow,
         tile: PixelWindow,
-        lenses: &[PixelLens],
-        taps: impl Iterator<Item = &'t Tap>,
-    ) -> Vec<Gathered> {
-        let reach = self.reach(lenses);
-        let mut gathered = vec![Gathered::default(); tile.area()];
-        for tap in taps {
-            let surface = &self.surfaces[tap.layer as usize];
-            let index = tap.index as usize;
-            let (rgba, cover, slope) = (surface.rgba[index], surface.cover[index], surface.slope[index]);
+        scratch: &mut Scratch,
+        out: &mut [Vec<f32>],
+    ) {
+        let center = [block.x as f32 + 3.5, block.y as f32 + 1.5];
+        let lens = self.lens_at(f64::from(block.x) + 3.5, f64::from(block.y) + 1.5);
+        self.find(tile_lens, &lens, center, scratch);
 
-            // Visit the pixels of the tile that the tap may reach
-            let radius = reach(tap.inverse_depth, tap.inverse_depth) as u32;
-            let around =
-                PixelWindow { x: tap.x, y: tap.y, width: 1, height: 1 }.grown(radius, radius).intersection(&tile);
-            if around.is_empty() {
+        // What the defocus is more at each pixel than at the centre
+        let defocus = |x: f64, y: f64| lens.scale * (lens.focus - self.lens_at(x, y).focus);
+        let (x, y) = (f64::from(block.x), f64::from(block.y));
+        let corner = defocus(x, y);
+        let (across, down) = (defocus(x + 1.0, y) - corner, defocus(x, y + 1.0) - corner);
+        for row in 0..BLOCK_ROWS as i32 {
+            if block.y + row < tile.y || block.y + row >= tile.y_end() {
                 continue;
             }
-            for y in around.y..around.y_end() {
-                let row = tile.index(around.x, y);
-                for (x, i) in (around.x..around.x_end()).zip(row..) {
-                    let open = 1.0 - gathered[i].full;
-                    if open <= 0.0 {
-                        continue;
+            let mut by = [0.0; LANES];
+            for (i, by) in by.iter_mut().enumerate() {
+                *by = corner + across * i as f32 + down * row as f32;
+            }
+            let y = row as f32 - 1.5;
+            let (taps, slabs) = (&scratch.block, &scratch.slabs);
+            let gathered = dispatch!(self.level, simd => gather_row(simd, footprint, &lens, taps, slabs, y, &by));
+            self.put(&gathered, block, row, tile, out);
+        }
+    }
+
+    /// Finds the taps that may touch a block.
+    fn find(&self, tile_lens: &TileLens, lens: &PixelLens, center: [f32; 2], scratch: &mut Scratch) {
+        let Scratch { taps, order, xs, ys, reaches, block, slabs, .. } = scratch;
+        block.clear();
+        slabs.clear();
+        let by = tile_lens.center.scale * (tile_lens.center.focus - lens.focus);
+        let mut last_bin = i32::MAX;
+        for chunk in (0..order.len()).step_by(LANES) {
+            let of =
+                |values: &[f32]| -> [f32; LANES] { values[chunk..chunk + LANES].try_into().expect("a whole vector") };
+            let mut hits = touching(of(xs), of(ys), of(reaches), center);
+            while hits != 0 {
+                let i = chunk + hits.trailing_zeros() as usize;
+                hits &= hits - 1;
+                let tap = &taps[order[i] as usize];
+                let weight = if tap.is_steady {
+                    tap.weight.moved(by)
+                } else {
+                    Weight::new(&self.table, &tap.piece, lens, self.max_radius)
+                };
+                if tap.bin != last_bin {
+                    if last_bin != i32::MAX {
+                        slabs.push(Slab { bin: last_bin, end: block.len() });
                     }
-                    let weight = self.weight(footprint, &lenses[i], tap, slope, x, y);
-                    if weight > 0.0 {
-                        let taken = (weight * cover).min(open);
-                        let gathered = &mut gathered[i];
-                        gathered.full += taken;
-                        // Hidden colour is premultiplied with the cover already
-                        let scale = if tap.layer == 0 { taken } else { taken / cover };
-                        for (sum, c) in gathered.rgba.iter_mut().zip(rgba) {
-                            *sum += scale * c;
-                        }
-                    }
+                    last_bin = tap.bin;
+                }
+                let piece = &tap.piece;
+                let share = 1.0 / piece.cover;
+                block.push(BlockTap {
+                    x: piece.x - center[0],
+                    y: piece.y - center[1],
+                    reach: tap.reach,
+                    weight,
+                    rgba: piece.rgba.map(|c| c * share),
+                    doubt: piece.doubt,
+                });
+            }
+        }
+        if last_bin != i32::MAX {
+            slabs.push(Slab { bin: last_bin, end: block.len() });
+        }
+    }
+
+    /// Puts a gathered row into the tile.
+    fn put(&self, gathered: &Row, block: PixelWindow, row: i32, tile: PixelWindow, out: &mut [Vec<f32>]) {
+        let y = block.y + row;
+        for i in 0..LANES {
+            let x = block.x + i as i32;
+            if !tile.contains(x, y) {
+                continue;
+            }
+            let (at, full) = (tile.index(x, y), gathered.full[i]);
+            if full > 0.0 {
+                let share = 1.0 / full;
+                (0..4).for_each(|c| out[c][at] = gathered.rgba[c][i] * share);
+                if let [_, _, _, _, doubt, open] = out {
+                    doubt[at] = gathered.doubt[i] * share;
+                    open[at] = 1.0 - full;
+                }
+            } else {
+                // Nothing reaches it: the first layer's colour, nothing outside the data
+                let surface = self.forest.first_surface();
+                if surface.window.contains(x, y) {
+                    let rgba = surface.rgba[surface.window.index(x, y)];
+                    (0..4).for_each(|c| out[c][at] = rgba[c]);
                 }
             }
         }
-        gathered
-    }
-
-    /// The share of pixel (x, y)'s iris that the tap fills.
-    #[inline(always)]
-    fn weight(&self, footprint: &impl Footprint, lens: &PixelLens, tap: &Tap, slope: [f32; 2], x: i32, y: i32) -> f32 {
-        // Offset from the receiving pixel to the tap, and the tap's blur there
-        let (dx, dy) = ((tap.x - x) as f32, (tap.y - y) as f32);
-        let defocus = tap.inverse_depth - lens.focus;
-        let radius = (lens.scale * defocus.abs()).min(self.max_radius);
-        let outer = radius * lens.stretch() + 1.5;
-        if dx * dx + dy * dy > outer * outer {
-            return 0.0;
-        }
-        let kernel = self.table.at(radius);
-        let inside = footprint.inside(lens, dx, dy, lens.scale * defocus, &kernel);
-        if inside <= 0.0 || radius <= SLOPE_FROM {
-            return inside * kernel.weight;
-        }
-
-        // Count a sloped surface by the part of the iris it fills; not where the footprint is too small to have one
-        let factor = (1.0 - (slope[0] * dx + slope[1] * dy) / defocus).clamp(0.5, 2.0);
-        let trust = (radius - SLOPE_FROM).min(1.0);
-        inside * kernel.weight * (1.0 + trust * (factor - 1.0))
     }
 }
 
-/// Radius in pixels from which the slope of a surface counts; it counts in full one pixel later.
-const SLOPE_FROM: f32 = 0.5;
+/// Which of eight taps may touch the block around `center`, a bit for each.
+#[inline(always)]
+fn touching(xs: [f32; LANES], ys: [f32; LANES], reaches: [f32; LANES], center: [f32; 2]) -> u32 {
+    let mut hits = 0;
+    for i in 0..LANES {
+        let dx = ((xs[i] - center[0]).abs() - 3.5).max(0.0);
+        let dy = ((ys[i] - center[1]).abs() - 1.5).max(0.0);
+        let touches = dx * dx + dy * dy <= reaches[i] * reaches[i] && reaches[i] > 0.0;
+        hits |= u32::from(touches) << i;
+    }
+    hits
+}
+
+/// The corner of the tile, on the grid that starts at (0, 0), in which a window lies.
+fn anchor(window: PixelWindow) -> PixelWindow {
+    let side = TILE as i32;
+    PixelWindow { x: window.x.div_euclid(side) * side, y: window.y.div_euclid(side) * side, ..window }
+}
+
+/// Chief-ray direction of a pixel's centre, for tests.
+#[allow(dead_code)]
+pub(crate) fn q_of(view: &FrameView, camera: &Camera, x: i32, y: i32) -> glam::DVec2 {
+    pixel_q(view, camera, x, y)
+}

@@ -7,8 +7,6 @@
 use glam::{DMat2, DVec2};
 use optics::{Camera, KernelModel};
 
-use crate::disc_table::{Kernel, Outline, ramp};
-
 /// How the shape of a pixel's footprint is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KernelRule {
@@ -38,9 +36,9 @@ pub(crate) struct PixelLens {
     /// Largest such radius in any direction.
     pub(crate) widest: f32,
     /// From a pixel offset (x right, y down) to iris coordinates scaled by the blur radius, row by row.
-    to_iris: [f32; 4],
+    pub(crate) to_iris: [f32; 4],
     /// w R e_z: the skew of the exact footprint.
-    skew: [f32; 2],
+    pub(crate) skew: [f32; 2],
 }
 
 impl PixelLens {
@@ -94,40 +92,19 @@ impl PixelLens {
             skew: [skew.x as f32, skew.y as f32],
         }
     }
-}
 
-/// A footprint's outline around a pixel.
-pub(crate) trait Footprint: Sync {
-    /// How much of a pixel at an offset (x right, y down) lies inside the kernel's outline, 0 to 1.
-    ///
-    /// `defocus` is the neighbour's, in pixels of radius: its sign turns the iris upside down.
-    fn inside(&self, lens: &PixelLens, x: f32, y: f32, defocus: f32, kernel: &Kernel) -> f32;
-}
-
-/// A full disc: no skew, no tilt, no blades. The fast path of [`IrisFootprint`].
-pub(crate) struct RoundFootprint;
-
-impl Footprint for RoundFootprint {
+    /// An offset (x right, y down) in iris coordinates scaled by the blur radius, the iris turned upside down behind the
+    /// plane of focus; `defocus` is the neighbour's, in pixels of radius.
     #[inline(always)]
-    fn inside(&self, _lens: &PixelLens, x: f32, y: f32, _defocus: f32, kernel: &Kernel) -> f32 {
-        ramp((x * x + y * y).sqrt() - kernel.edge)
-    }
-}
-
-/// Any iris, tilted or not.
-pub(crate) struct IrisFootprint<'a>(pub(crate) &'a Outline);
-
-impl Footprint for IrisFootprint<'_> {
-    #[inline(always)]
-    fn inside(&self, lens: &PixelLens, x: f32, y: f32, defocus: f32, kernel: &Kernel) -> f32 {
-        let m = &lens.to_iris;
+    pub(crate) fn iris_offset(&self, x: f32, y: f32, defocus: f32) -> [f32; 2] {
+        let m = &self.to_iris;
         let (mut a, mut b) = (m[0] * x + m[1] * y, m[2] * x + m[3] * y);
         // Undo the skew where the footprint is large enough to have a shape
-        if lens.skew != [0.0; 2] && defocus.abs() > 0.5 {
-            let factor = 1.0 / (1.0 + (lens.skew[0] * a + lens.skew[1] * b) / defocus).clamp(0.5, 2.0);
+        if self.skew != [0.0; 2] && defocus.abs() > 0.5 {
+            let factor = 1.0 / (1.0 + (self.skew[0] * a + self.skew[1] * b) / defocus).clamp(0.5, 2.0);
             (a, b) = (a * factor, b * factor);
         }
         let sign = if defocus < 0.0 { -1.0 } else { 1.0 };
-        self.0.inside(sign * a, sign * b, kernel)
+        [sign * a, sign * b]
     }
 }

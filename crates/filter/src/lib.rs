@@ -13,14 +13,20 @@
 //! an exact uniform disc of radius `R s |1/z - w(q)|` pixels, however much the plane of focus tilts.
 
 mod apply;
-mod cells;
-mod disc_table;
 mod error;
+mod fill;
+mod forest;
+mod fragment;
 mod gather;
+mod kernel;
 mod lens_map;
 mod own_coc;
+mod prepare;
+mod row;
 mod surface;
+mod tap;
 mod tiles;
+mod unmix;
 mod view;
 
 pub use apply::{Filtered, Method, apply, coc_radius_px, reach_px};

@@ -4,12 +4,12 @@
 //! sharp foreground, and a blurred foreground keeps a hard silhouette. Hidden layers are not looked at.
 
 use optics::{Camera, KernelModel};
-use rgbd::{Cancelled, Picture, PixelWindow, Progress};
+use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
 use crate::{
     FrameView,
-    disc_table::DiscTable,
-    lens_map::{Footprint, IrisFootprint, PixelLens},
+    kernel::{KernelTable, mirror},
+    lens_map::PixelLens,
     surface::{Surface, pixel_q},
     tiles::by_tiles,
 };
@@ -24,8 +24,7 @@ pub(crate) fn own_coc(
     progress: &dyn Progress,
 ) -> Result<Picture, Cancelled> {
     let surface = Surface::new(view, camera, 0);
-    let table = DiscTable::new(camera.iris.shape());
-    let footprint = IrisFootprint(table.outline());
+    let table = KernelTable::new(camera.iris.shape());
 
     // Average around one pixel
     let pixel = |x: i32, y: i32| -> [f32; 4] {
@@ -36,12 +35,13 @@ pub(crate) fn own_coc(
         let lens = PixelLens::new(camera, model, pixel_q(view, camera, x, y));
         let defocus = lens.scale * (surface.inverse_depth[here] - lens.focus);
         let radius = defocus.abs().min(max_radius);
-        let kernel = table.at(radius);
+        let (kernel, _) = table.with_slope(radius);
         let reach = (radius * lens.stretch() + 1.5) as u32;
         let around = PixelWindow { x, y, width: 1, height: 1 }.grown(reach, reach).intersection(&surface.window);
         let (mut sum, mut total) = ([0.0; 4], 0.0);
         for (u, v) in around.pixels() {
-            let weight = footprint.inside(&lens, (u - x) as f32, (v - y) as f32, defocus, &kernel);
+            let [a, b] = lens.iris_offset((u - x) as f32, (v - y) as f32, defocus);
+            let weight = table.outline().weight(a, b, &kernel, mirror(radius));
             if weight > 0.0 {
                 total += weight;
                 let rgba = surface.rgba[surface.window.index(u, v)];
@@ -51,5 +51,12 @@ pub(crate) fn own_coc(
         if total > 0.0 { sum.map(|c| c / total) } else { surface.rgba[here] }
     };
 
-    by_tiles(window, progress, |tile| tile.pixels().map(|(x, y)| pixel(x, y)).collect())
+    let planes = by_tiles(window, 4, progress, |tile, out| {
+        for (i, (x, y)) in tile.pixels().enumerate() {
+            let rgba = pixel(x, y);
+            (0..4).for_each(|c| out[c][i] = rgba[c]);
+        }
+    })?;
+    let planes = <[Plane; 4]>::try_from(planes).expect("four planes");
+    Ok(Picture::from_planes(planes).expect("planes of one window"))
 }

@@ -31,25 +31,52 @@ impl Surface {
     pub(crate) fn new(view: &FrameView, camera: &Camera, index: usize) -> Self {
         let layer = &view.frame().layers()[index];
         let window = view.window();
-        let pixels: Vec<(i32, i32)> = window.pixels().collect();
-        let rgba: Vec<[f32; 4]> = pixels.par_iter().map(|&(x, y)| layer.color.at(x, y).map(finite)).collect();
-
-        // The first layer always fills its pixel: its alpha is part of the colour. A hidden one fills what alpha says.
-        let cover: Vec<f32> = match index {
-            0 => vec![1.0; rgba.len()],
-            _ => pixels
-                .iter()
-                .zip(&rgba)
-                .map(|(&(x, y), c)| if layer.known.at(x, y) { c[3].clamp(0.0, 1.0) } else { 0.0 })
-                .collect(),
+        let width = window.width as usize;
+        let data = layer.window();
+        let [r, g, b, a] = layer.color.planes();
+        let mut surface = Self {
+            window,
+            inverse_depth: vec![0.0; window.area()],
+            slope: vec![[0.0; 2]; window.area()],
+            rgba: vec![[0.0; 4]; window.area()],
+            cover: vec![1.0; window.area()],
         };
+        let rows = surface.rgba.par_chunks_mut(width).zip(surface.cover.par_chunks_mut(width));
+        let rows = rows.zip(surface.inverse_depth.par_chunks_mut(width)).enumerate();
+        rows.for_each(|(row, ((rgba, cover), inverse))| {
+            let y = window.y + row as i32;
+            let start = data.index(window.x, y);
+            let part = start..start + width;
+            let [r, g, b, a] = [r, g, b, a].map(|plane| &plane.values()[part.clone()]);
+            for x in 0..width {
+                rgba[x] = [r[x], g[x], b[x], a[x]].map(finite);
+            }
+            // The first layer always fills its pixel: its alpha is part of the colour. A hidden one fills what alpha says
+            let known = &layer.known.bits()[part.clone()];
+            if index > 0 {
+                for x in 0..width {
+                    cover[x] = if known[x] { rgba[x][3].clamp(0.0, 1.0) } else { 0.0 };
+                }
+            }
+            let depth = &layer.depth.values()[part];
+            for x in 0..width {
+                inverse[x] = if known[x] {
+                    1.0 / depth[x]
+                } else if cover[x] > 0.0 {
+                    inverse_depth(view, camera, layer, window.x + x as i32, y)
+                } else {
+                    0.0
+                };
+            }
+        });
 
-        let fill = |(&(x, y), &cover): (&(i32, i32), &f32)| {
-            if cover > 0.0 { inverse_depth(view, camera, layer, x, y) } else { 0.0 }
-        };
-        let inverse_depth = pixels.par_iter().zip(&cover).map(fill).collect();
-        let mut surface = Self { window, inverse_depth, slope: Vec::new(), rgba, cover };
-        surface.slope = pixels.par_iter().map(|&(x, y)| surface.slope_at(x, y)).collect();
+        let mut slope = std::mem::take(&mut surface.slope);
+        slope.par_chunks_mut(width).enumerate().for_each(|(row, slopes)| {
+            for (column, slope) in slopes.iter_mut().enumerate() {
+                *slope = surface.slope_at(window.x + column as i32, window.y + row as i32);
+            }
+        });
+        surface.slope = slope;
         surface
     }
 
@@ -84,12 +111,9 @@ fn finite(value: f32) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(-BRIGHTEST, BRIGHTEST) }
 }
 
-/// 1/z where the depth is known; in a hole that of the nearest known pixel (the farther one of equals), and where none is
+/// The guess for a hole: 1/z of the nearest known pixel (the farther one of equals), and where none is
 /// within reach the depth that keeps the pixel sharp.
 fn inverse_depth(view: &FrameView, camera: &Camera, layer: &Layer, x: i32, y: i32) -> f32 {
-    if layer.known.at(x, y) {
-        return 1.0 / layer.depth.at(x, y);
-    }
     let window = view.window();
     let mut nearest: Option<(i32, f32)> = None;
     for ring in 1..=HOLE_REACH {

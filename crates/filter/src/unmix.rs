@@ -1,0 +1,245 @@
+//! Anti-aliased colour over one depth per pixel, taken apart at silhouettes.
+//!
+//! A pixel on a silhouette holds colour of two surfaces and the depth of one. Blurred with that depth it leaves a rim: of
+//! the background's colour around a near thing, or of the near thing's on the background. So at every jump of depth the
+//! colour C = a N + (1 - a) F is split into the near surface's N and the far surface's F, with pure pixels nearby as the
+//! guess of both, and a, the share that the near one covers, by projection. Where both look alike or are textured the
+//! projection tells little, and the share of near pixels around weighs more. The pixel's own depth says which of both
+//! covers its centre, and so at least half of it. What the guess leaves over is given to both in the way that changes them
+//! least, so that the two together are the pixel's colour exactly.
+
+use rayon::prelude::*;
+
+use crate::surface::Surface;
+
+/// How far pure pixels are looked for.
+pub(crate) const UNMIX_REACH: i32 = 3;
+
+/// A jump of depth counts from this many pixels of blur radius.
+const LEAST_JUMP_PX: f32 = 0.5;
+
+/// Shares nearer to 0 or 1 than this are taken as that.
+const PURE: f32 = 0.02;
+
+/// Variance of the weights by distance around a silhouette pixel, in pixels: its neighbours count by far the most.
+const NEARNESS: f32 = 0.7;
+
+/// A variance of colour that is always allowed for, so that equal colours do not divide by 0.
+const LEAST_VARIANCE: f32 = 1e-3;
+
+/// A silhouette pixel taken apart.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Split {
+    pub(crate) index: usize,
+    /// Whether the pixel's own depth is the near surface's.
+    pub(crate) is_near: bool,
+    /// What the near surface covers of the pixel, 0 to 1.
+    pub(crate) share: f32,
+    /// Colours of both surfaces, as if each filled the pixel.
+    pub(crate) near: [f32; 4],
+    pub(crate) far: [f32; 4],
+    /// How far those colours may be off.
+    pub(crate) doubt: f32,
+    /// Inverse depth and slope of the surface that the pixel's own depth does not tell.
+    pub(crate) other_depth: f32,
+    pub(crate) other_slope: [f32; 2],
+}
+
+/// The least jump of inverse depth that counts; `px` is the blur radius in pixels of a unit of inverse depth.
+pub(crate) fn least_jump(px: f32) -> f32 {
+    LEAST_JUMP_PX / px.max(f32::MIN_POSITIVE)
+}
+
+/// The silhouette pixels of the first surface, row by row; `behind` holds what hidden layers know there.
+pub(crate) fn splits(first: &Surface, behind: &[Surface], jump: f32) -> Vec<Split> {
+    let window = first.window;
+    let width = window.width as usize;
+
+    // Find out on which side of a jump each pixel lies
+    let mut sides = vec![Side::Pure; window.area()];
+    sides.par_chunks_mut(width).enumerate().for_each(|(row, sides)| mark_sides(first, row, jump, sides));
+
+    let splitter = Splitter { first, behind, sides: &sides, jump };
+    let rows: Vec<Vec<Split>> = (0..window.height as usize)
+        .into_par_iter()
+        .map(|row| {
+            let mixed = (row * width..(row + 1) * width).filter(|&i| sides[i] != Side::Pure);
+            mixed.filter_map(|i| splitter.split(i)).collect()
+        })
+        .collect();
+    rows.concat()
+}
+
+/// Where a pixel lies beside a jump of depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    /// No jump beside it.
+    Pure,
+    /// Something farther lies beside it, nothing nearer.
+    Near,
+    /// Something nearer lies beside it.
+    Far,
+}
+
+/// The sides of one row's pixels.
+fn mark_sides(surface: &Surface, row: usize, jump: f32, sides: &mut [Side]) {
+    let width = surface.window.width as usize;
+    let last_row = surface.window.height as usize - 1;
+    let depth = |row: usize| &surface.inverse_depth[row * width..(row + 1) * width];
+    let (above, here, below) = (depth(row.saturating_sub(1)), depth(row), depth((row + 1).min(last_row)));
+    for x in 0..width {
+        let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
+        let around =
+            [above[left], above[x], above[right], here[left], here[right], below[left], below[x], below[right]];
+        let (low, high) = around.iter().fold((here[x], here[x]), |(low, high), &s| (low.min(s), high.max(s)));
+        // Most pixels end here
+        if high - here[x] <= jump && here[x] - low <= jump {
+            continue;
+        }
+        let [dx, dy] = surface.slope[row * width + x];
+        let rise = [-dx - dy, -dy, dx - dy, -dx, dx, dy - dx, dy, dx + dy];
+        for (there, rise) in around.into_iter().zip(rise) {
+            let step = there - here[x] - rise;
+            if step > jump && there > here[x] {
+                sides[x] = Side::Far;
+                break;
+            }
+            if step < -jump && there < here[x] {
+                sides[x] = Side::Near;
+            }
+        }
+    }
+}
+
+/// The offsets of the pixels around one, row by row.
+pub(crate) fn neighbours(reach: i32) -> impl Iterator<Item = (i32, i32)> {
+    (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| (dx, dy))).filter(|&at| at != (0, 0))
+}
+
+/// A guess of one surface's colour and depth at a pixel, from pixels around.
+#[derive(Clone, Copy, Default)]
+struct Guess {
+    weight: f32,
+    rgba: [f32; 4],
+    /// Mean square while it is summed up, then the variance over all channels.
+    variance: f32,
+    depth: f32,
+    slope: [f32; 2],
+}
+
+impl Guess {
+    fn add(&mut self, weight: f32, rgba: [f32; 4], depth: f32, slope: [f32; 2]) {
+        self.weight += weight;
+        self.rgba.iter_mut().zip(rgba).for_each(|(sum, c)| *sum += weight * c);
+        self.variance += weight * rgba.iter().map(|c| c * c).sum::<f32>();
+        self.depth += weight * depth;
+        self.slope.iter_mut().zip(slope).for_each(|(sum, s)| *sum += weight * s);
+    }
+
+    fn mean(&self) -> Option<Self> {
+        let scale = (self.weight > 0.0).then(|| 1.0 / self.weight)?;
+        let rgba = self.rgba.map(|c| c * scale);
+        let variance = (self.variance * scale - rgba.iter().map(|c| c * c).sum::<f32>()).max(0.0);
+        let slope = self.slope.map(|s| s * scale);
+        Some(Self { weight: self.weight, rgba, variance, depth: self.depth * scale, slope })
+    }
+}
+
+struct Splitter<'a> {
+    first: &'a Surface,
+    behind: &'a [Surface],
+    sides: &'a [Side],
+    jump: f32,
+}
+
+impl Splitter<'_> {
+    fn split(&self, index: usize) -> Option<Split> {
+        let (side, rgba) = (self.sides[index], self.first.rgba[index]);
+        let is_near = side == Side::Near;
+        let (own, mut other, tent) = self.guesses(index);
+
+        // What a hidden layer knows of the far side is worth more than any guess
+        if let (true, Some(hidden)) = (is_near, self.hidden(index)) {
+            other = Some(Guess { variance: 0.5 * other.map_or(0.0, |guess| guess.variance), ..hidden });
+        }
+        let other = other?;
+        let own = own.unwrap_or(Guess { rgba, ..Guess::default() });
+        let (near, far) = if is_near { (own.rgba, other.rgba) } else { (other.rgba, own.rgba) };
+
+        // Project the colour onto the line between them
+        let step: [f32; 4] = [0, 1, 2, 3].map(|c| near[c] - far[c]);
+        let square = step.iter().map(|s| s * s).sum::<f32>();
+        let along = (0..4).map(|c| (rgba[c] - far[c]) * step[c]).sum::<f32>();
+        let variance = LEAST_VARIANCE + own.variance + other.variance;
+        let guess = if is_near { tent } else { 1.0 - tent };
+        let (low, high) = if is_near { (0.5, 1.0) } else { (0.0, 0.5) };
+        let share = ((along + guess * variance) / (square + variance)).clamp(low, high);
+        let share = if share < PURE {
+            0.0
+        } else if share > 1.0 - PURE {
+            1.0
+        } else {
+            share
+        };
+
+        // Give what is left over to both in the way that changes them least
+        let open = 1.0 - share;
+        let norm = share * share + open * open;
+        let rest: [f32; 4] = [0, 1, 2, 3].map(|c| (rgba[c] - share * near[c] - open * far[c]) / norm);
+        Some(Split {
+            index,
+            is_near,
+            share,
+            near: [0, 1, 2, 3].map(|c| near[c] + share * rest[c]),
+            far: [0, 1, 2, 3].map(|c| far[c] + open * rest[c]),
+            doubt: ((own.variance + other.variance) / 6.0).sqrt(),
+            other_depth: other.depth,
+            other_slope: other.slope,
+        })
+    }
+
+    /// Guesses of the pixel's own surface and of the other one, from pure pixels where there are any, and the share of
+    /// the pixels around (by a tent) that lie on its own side.
+    fn guesses(&self, index: usize) -> (Option<Guess>, Option<Guess>, f32) {
+        let width = self.first.window.width as usize;
+        let (x, y) = ((index % width) as i32, (index / width) as i32);
+        let (here, slope) = (self.first.inverse_depth[index], self.first.slope[index]);
+        let is_near = self.sides[index] == Side::Near;
+        let [mut own, mut own_mixed, mut other, mut other_mixed] = [Guess::default(); 4];
+        let mut tent = 0.25;
+        for (dx, dy) in neighbours(UNMIX_REACH) {
+            let (u, v) = (x + dx, y + dy);
+            let share = ((2 - dx.abs()).max(0) * (2 - dy.abs()).max(0)) as f32 / 16.0;
+            if u < 0 || v < 0 || u >= width as i32 || v >= self.first.window.height as i32 {
+                tent += share;
+                continue;
+            }
+            let i = v as usize * width + u as usize;
+            let step = self.first.inverse_depth[i] - here - (slope[0] * dx as f32 + slope[1] * dy as f32);
+            let is_other = if is_near { step < -self.jump } else { step > self.jump };
+            tent += if is_other { 0.0 } else { share };
+            let is_pure = self.sides[i] == Side::Pure;
+            let guess = match (is_other, is_pure) {
+                (true, true) => &mut other,
+                (true, false) => &mut other_mixed,
+                (false, _) if step.abs() > self.jump => continue,
+                (false, true) => &mut own,
+                (false, false) => &mut own_mixed,
+            };
+            let weight = (-0.5 * (dx * dx + dy * dy) as f32 / NEARNESS).exp();
+            let slope = self.first.slope[i];
+            let depth = self.first.inverse_depth[i] - slope[0] * dx as f32 - slope[1] * dy as f32;
+            guess.add(weight, self.first.rgba[i], depth, slope);
+        }
+        (own.mean().or_else(|| own_mixed.mean()), other.mean().or_else(|| other_mixed.mean()), tent)
+    }
+
+    /// The first hidden surface behind a pixel.
+    fn hidden(&self, index: usize) -> Option<Guess> {
+        let farther = self.first.inverse_depth[index] - self.jump;
+        let surface = self.behind.iter().find(|s| s.cover[index] > 0.5 && s.inverse_depth[index] < farther)?;
+        let rgba = surface.rgba[index].map(|c| c / surface.cover[index]);
+        let (depth, slope) = (surface.inverse_depth[index], surface.slope[index]);
+        Some(Guess { weight: 1.0, rgba, variance: 0.0, depth, slope })
+    }
+}
