@@ -124,6 +124,7 @@ pub fn apply(
             let run = GatherRun {
                 model,
                 max_radius: limit,
+                largest_radius: largest_radius_px,
                 layers: view.frame().layers().len().min(settings.layers.max(1)),
                 fill_reach: 2.0 * limit,
                 merge: matches!(method, Method::Merged(_)),
