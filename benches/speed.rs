@@ -44,8 +44,15 @@ fn rungs(c: &mut Criterion) {
         let camera = Camera { iris, ..shot };
         let frame = layers(file.scene(), &camera, &LayerSettings::default(), &Silent).expect("a frame").frame;
         let one_layer = GatherSettings { layers: 1, ..GatherSettings::default() };
-        let methods = [Method::OwnCoc(one_layer), Method::Gather(one_layer), Method::default()];
-        for (method, name) in methods.iter().zip(["own-coc", "gather, 1 layer", "gather, all layers"]) {
+        let methods = [
+            Method::OwnCoc(one_layer),
+            Method::Gather(GatherSettings::default()),
+            Method::Merged(one_layer),
+            Method::default(),
+        ];
+        for (method, name) in
+            methods.iter().zip(["own-coc", "gather, all layers", "merged, 1 layer", "merged, all layers"])
+        {
             group.bench_function(BenchmarkId::new(name, format!("{opening} x aperture")), |b| {
                 b.iter(|| black_box(apply(&FrameView::whole(&frame), &camera, method, frame.display, &Silent)));
             });

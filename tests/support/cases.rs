@@ -16,10 +16,6 @@ pub(crate) struct Case {
     pub(crate) reference: Reference,
 }
 
-/// The cases of tilted, swung and shifted lenses that have a depth of field.
-pub(crate) const REFERENCES: [&str; 6] =
-    ["simple_untilted", "simple_tilt", "simple_tilt_2R", "simple_combined", "landscape_untilted", "landscape_reverse"];
-
 impl Case {
     /// Reads `NAME.json`, `NAME_ref.exr` and the RGB-D frame that belongs to it.
     pub(crate) fn read(folder: &Path, name: &str) -> Self {

@@ -7,9 +7,10 @@ use rgbd::{Picture, PixelWindow, Plane, Progress};
 
 use crate::{
     FilterError, FrameView, GatherSettings, KernelRule,
-    gather::{GatherRun, gather},
+    gather::{GatherRun, Gathered, gather},
     lens_map::PixelLens,
     own_coc::own_coc,
+    predicted::predicted_error,
     surface::{HOLE_REACH, pixel_q},
 };
 
@@ -66,6 +67,9 @@ pub struct Filtered {
     pub largest_radius_px: f32,
     /// The limit that cut it, in pixels, if it did.
     pub cut_to_px: Option<f32>,
+    /// How far each pixel may be from the truth, root mean square over R, G and B, where it was asked for: what is made
+    /// of guessed background, of silhouettes taken apart, or of too little picture at the border.
+    pub predicted_error: Option<Plane>,
 }
 
 /// Puts the lens of `camera` onto the frame and returns the pixels of `window`.
@@ -118,25 +122,32 @@ pub fn apply(
     let largest_radius_px = largest_radius_px(depths, view, camera, window);
     let limit = max_radius_px(view, settings);
 
-    let picture = match method {
-        Method::OwnCoc(_) => own_coc(view, camera, model, limit, window, progress)?,
+    let (picture, predicted_error) = match method {
+        Method::OwnCoc(_) => (own_coc(view, camera, model, limit, window, progress)?, None),
         _ => {
             let run = GatherRun {
                 model,
                 max_radius: limit,
                 largest_radius: largest_radius_px,
                 layers: view.frame().layers().len().min(settings.layers.max(1)),
-                fill_reach: 2.0 * limit,
+                sides: settings.sides,
+                fill_reach: FILL_REACH * limit,
                 merge: matches!(method, Method::Merged(_)),
                 level: Level::new(),
-                doubt: false,
+                doubt: settings.predict_error,
             };
-            gather(view, camera, &run, window, progress)?.picture
+            let Gathered { picture, doubt } = gather(view, camera, &run, window, progress)?;
+            let error = doubt.map(|[doubt, open]| predicted_error(&picture, &doubt, &open));
+            (picture, error)
         }
     };
     let cut_to_px = (largest_radius_px > limit).then_some(limit);
-    Ok(Filtered { picture, kernel: model, kernel_choice, largest_radius_px, cut_to_px })
+    Ok(Filtered { picture, kernel: model, kernel_choice, largest_radius_px, cut_to_px, predicted_error })
 }
+
+/// How far behind a silhouette the background is filled in, over the largest blur radius: as far as a lens can look behind
+/// an edge that is blurred by as much as the background, on the other side of the plane of focus.
+const FILL_REACH: f32 = 2.0;
 
 /// How many pixels around a window a method may look at on this frame; finite for each method.
 #[must_use]
@@ -202,6 +213,7 @@ fn unfiltered(view: &FrameView, window: PixelWindow) -> Filtered {
         kernel_choice: None,
         largest_radius_px: 0.0,
         cut_to_px: None,
+        predicted_error: None,
     }
 }
 

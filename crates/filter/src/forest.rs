@@ -169,7 +169,18 @@ impl Prepared {
             let s = first.inverse_depth[i];
             let (x, y) = (x as f32, y as f32);
             let (slope, cover, rgba) = (first.slope[i], first.cover[i], first.rgba[i]);
-            Piece { x, y, size: 1.0, inverse_depth: s, range: [s; 2], slope, cover, rgba, doubt: 0.0, parts: (0, 0) }
+            Piece {
+                x,
+                y,
+                size: 1.0,
+                inverse_depth: s,
+                range: [s; 2],
+                slope,
+                cover,
+                rgba,
+                doubt: self.doubt[i],
+                parts: (0, 0),
+            }
         } else {
             self.fragment(&self.fragments[(i - count) as usize])
         }

@@ -63,11 +63,45 @@ pub struct GatherSettings {
     pub max_radius_px: Option<f32>,
     /// How many of the frame's layers to use; 1 ignores hidden ones.
     pub layers: usize,
+    /// What is blurred at all.
+    pub sides: Sides,
+    /// Whether [`Filtered::predicted_error`](crate::Filtered::predicted_error) is wanted too (not by
+    /// [`Method::OwnCoc`](crate::Method::OwnCoc)).
+    pub predict_error: bool,
+}
+
+/// On which side of the plane of focus things are blurred.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sides {
+    /// On both.
+    #[default]
+    Both,
+    /// Only what is nearer than the plane of focus; the rest stays sharp.
+    Near,
+    /// Only what is farther.
+    Far,
+}
+
+impl Sides {
+    /// The inverse depth that a surface at `inverse_depth` is blurred with where `focus` is the inverse depth of focus.
+    pub(crate) fn limited(self, inverse_depth: f32, focus: f32) -> f32 {
+        match self {
+            Self::Both => inverse_depth,
+            Self::Near => inverse_depth.max(focus),
+            Self::Far => inverse_depth.min(focus),
+        }
+    }
 }
 
 impl Default for GatherSettings {
     fn default() -> Self {
-        Self { kernel: KernelRule::default(), max_radius_px: None, layers: usize::MAX }
+        Self {
+            kernel: KernelRule::default(),
+            max_radius_px: None,
+            layers: usize::MAX,
+            sides: Sides::Both,
+            predict_error: false,
+        }
     }
 }
 
@@ -101,6 +135,8 @@ pub(crate) struct GatherRun {
     pub(crate) largest_radius: f32,
     /// How many layers are used.
     pub(crate) layers: usize,
+    /// What is blurred.
+    pub(crate) sides: Sides,
     /// How far behind a silhouette is looked, in pixels.
     pub(crate) fill_reach: f32,
     /// Whether pixels are merged where the blur is large.
@@ -120,7 +156,7 @@ pub(crate) fn gather(
     progress: &dyn Progress,
 ) -> Result<Gathered, Cancelled> {
     let px = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
-    let prepared = Prepared::new(view, camera, run.layers, run.fill_reach);
+    let prepared = Prepared::new(view, camera, run.layers, run.fill_reach, run.sides);
     // Squares that nothing is blurred enough for are not needed
     let merged = (run.max_radius.min(run.largest_radius) / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
     let forest = Forest::new(prepared, px, if run.merge { merged.min(4) } else { 0 });

@@ -8,6 +8,7 @@
 //! | 0 | [`Method::Pinhole`] | nothing: the unfiltered picture, which every figure stands beside |
 //! | 1 | [`Method::OwnCoc`] | every pixel averages its own circle of confusion; no occlusion |
 //! | 2 | [`Method::Gather`] | every neighbour whose footprint covers the pixel contributes, nearest first |
+//! | 3 | [`Method::Merged`] | the same with neighbours merged into squares where the blur is large: the default |
 //!
 //! The blur of a neighbour is read as a *gather*: with the focus w(q) of the receiving pixel, where an upright iris gives
 //! an exact uniform disc of radius `R s |1/z - w(q)|` pixels, however much the plane of focus tilts.
@@ -21,6 +22,7 @@ mod gather;
 mod kernel;
 mod lens_map;
 mod own_coc;
+mod predicted;
 mod prepare;
 mod row;
 mod surface;
@@ -31,6 +33,6 @@ mod view;
 
 pub use apply::{Filtered, Method, apply, coc_radius_px, reach_px};
 pub use error::FilterError;
-pub use gather::GatherSettings;
+pub use gather::{GatherSettings, Sides};
 pub use lens_map::KernelRule;
 pub use view::FrameView;

@@ -4,10 +4,10 @@ use optics::Camera;
 use rgbd::PixelWindow;
 
 use crate::{
-    FrameView,
+    FrameView, Sides,
     fill::{FillLimits, fill},
     fragment::Fragment,
-    surface::Surface,
+    surface::{Surface, pixel_q},
     unmix::{least_jump, neighbours, splits},
 };
 
@@ -20,11 +20,13 @@ pub(crate) struct Prepared {
     pub(crate) first: Surface,
     /// Everything else, by pixel.
     pub(crate) fragments: Vec<Fragment>,
+    /// How far the first layer's colour may be off, by pixel: at silhouettes, and where the depth is a guess.
+    pub(crate) doubt: Vec<f32>,
 }
 
 impl Prepared {
     /// Prepares a view's first `layers` layers; `reach` limits in pixels how far behind a silhouette is looked.
-    pub(crate) fn new(view: &FrameView, camera: &Camera, layers: usize, reach: f32) -> Self {
+    pub(crate) fn new(view: &FrameView, camera: &Camera, layers: usize, reach: f32, sides: Sides) -> Self {
         let px = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
         let jump = least_jump(px);
         let mut first = Surface::new(view, camera, 0);
@@ -34,8 +36,10 @@ impl Prepared {
         // Give silhouette pixels to both their surfaces
         let splits = splits(&first, &hidden, jump);
         let mut fragments = Vec::new();
+        let mut doubt = vec![0.0; first.cover.len()];
         for split in &splits {
             let (i, share) = (split.index, split.share);
+            doubt[i] = split.doubt;
             if split.is_near {
                 first.cover[i] = share;
                 first.rgba[i] = split.near.map(|c| c * share);
@@ -72,7 +76,32 @@ impl Prepared {
         }
         fragments.extend(filled);
         fragments.sort_by_key(|fragment| fragment.index);
-        Self { first, fragments }
+        let mut prepared = Self { first, fragments, doubt };
+        if sides != Sides::Both {
+            prepared.sharpen(view, camera, sides);
+        }
+        prepared
+    }
+
+    /// Puts what is not to be blurred into the plane of focus.
+    fn sharpen(&mut self, view: &FrameView, camera: &Camera, sides: Sides) {
+        let window = self.window();
+        let focus = |i: usize| {
+            let (x, y) = (i as i32 % window.width as i32 + window.x, i as i32 / window.width as i32 + window.y);
+            camera.focus.inverse_depth(pixel_q(view, camera, x, y)) as f32
+        };
+        for (i, (s, slope)) in self.first.inverse_depth.iter_mut().zip(&mut self.first.slope).enumerate() {
+            let limited = sides.limited(*s, focus(i));
+            if limited != *s {
+                (*s, *slope) = (limited, [0.0; 2]);
+            }
+        }
+        for fragment in &mut self.fragments {
+            let limited = sides.limited(fragment.inverse_depth, focus(fragment.index as usize));
+            if limited != fragment.inverse_depth {
+                (fragment.inverse_depth, fragment.slope) = (limited, [0.0; 2]);
+            }
+        }
     }
 
     /// The pixels that it covers.

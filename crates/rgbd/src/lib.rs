@@ -86,5 +86,5 @@ pub use read_options::ReadOptions;
 pub use replace::replace_file;
 pub use survey::{ChannelSurvey, PartSurvey, SampleKind, Survey};
 pub use truth::Truth;
-pub use write::{Notes, WriteOptions, write_frame, write_picture, write_truth};
+pub use write::{Notes, WriteOptions, write_frame, write_picture, write_picture_with, write_truth};
 pub use write_error::WriteError;

@@ -43,8 +43,21 @@ pub fn write_frame(path: &Path, frame: &Frame, options: &WriteOptions) -> Result
 
 /// Writes a picture as `R G B A`, all f32; the file stands whole or not at all.
 pub fn write_picture(path: &Path, picture: &Picture, head: &Head, options: &WriteOptions) -> Result<(), WriteError> {
+    write_picture_with(path, picture, &[], head, options)
+}
+
+/// Writes a picture as `R G B A` with further planes by name, all f32 and of the picture's window; the file stands whole or
+/// not at all.
+pub fn write_picture_with(
+    path: &Path,
+    picture: &Picture,
+    planes: &[(&str, &Plane)],
+    head: &Head,
+    options: &WriteOptions,
+) -> Result<(), WriteError> {
     let mut channels = Vec::new();
     push_color(&mut channels, "", picture);
+    channels.extend(planes.iter().map(|&(name, plane)| (name.to_owned(), plane)));
     let bytes = encode(path, head, channels, &Labels { kind: FileKind::Picture, options })?;
     replace(path, &bytes)
 }

@@ -94,8 +94,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let one_layer = GatherSettings { layers: 1, ..GatherSettings::default() };
     let rungs = [
         (Method::OwnCoc(one_layer), "own-coc", "rung 1: every pixel averages its own circle of confusion"),
-        (Method::Gather(one_layer), "gather-1-layer", "rung 2: gather in depth order, what is hidden stays unknown"),
-        (Method::default(), "gather", "rung 2: gather in depth order, with hidden layers"),
+        (Method::Merged(one_layer), "merged-1-layer", "rung 3: gather in depth order, what is hidden is guessed"),
+        (Method::default(), "merged", "rung 3: gather in depth order, with hidden layers"),
     ];
     let mut made = Vec::new();
     for (method, name, note) in rungs {

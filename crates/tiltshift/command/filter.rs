@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use ::filter::{FrameView, GatherSettings, KernelRule, Method, apply};
+use ::filter::{FrameView, GatherSettings, KernelRule, Method, Sides, apply, coc_radius_px};
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use optics::{Camera, Film, KernelModel, Pose, ThinLens};
-use rgbd::{Frame, Head, LensAttributes, Loaded, PixelWindow, read_frame, survey_file, write_picture, write_png};
+use rgbd::{Frame, Head, LensAttributes, Loaded, PixelWindow, read_frame, survey_file, write_picture_with, write_png};
 
 use crate::console::{Bar, say};
 use crate::failure::Outcome;
@@ -30,6 +30,14 @@ pub(crate) struct Options {
     /// Also write an 8-bit sRGB PNG.
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
+    /// Also write the signed radius of the circle of confusion in pixels, positive on the lens's side of the plane of
+    /// focus, as a channel "coc" of the result.
+    #[arg(long)]
+    coc: bool,
+    /// Also write how far each pixel may be from the truth, as a channel "predicted_error" of the result (methods gather
+    /// and merged).
+    #[arg(long)]
+    predicted_error: bool,
     /// Exposure of the PNG in stops.
     #[arg(long, value_name = "STOPS", value_parser = stops, allow_negative_numbers = true, default_value_t = 0.0)]
     exposure: f32,
@@ -69,6 +77,23 @@ pub(crate) struct MethodOptions {
     /// How many of the file's layers to use; all without.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     layers: Option<u16>,
+    /// Blur this many times as much as the lens would, by a wider or narrower iris.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    blur_scale: f64,
+    /// What is blurred (methods gather and merged).
+    #[arg(long, value_enum, default_value_t)]
+    blur: Blur,
+}
+
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum Blur {
+    /// What is nearer and what is farther than the plane of focus.
+    #[default]
+    Both,
+    /// Only what is nearer.
+    Near,
+    /// Only what is farther.
+    Far,
 }
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
@@ -78,8 +103,10 @@ enum MethodName {
     /// Every pixel averages its own circle of confusion: fast, no occlusion.
     OwnCoc,
     /// Every neighbour whose footprint covers the pixel contributes, nearest first.
-    #[default]
     Gather,
+    /// The same with neighbours merged where the blur is large: as good, and fast.
+    #[default]
+    Merged,
 }
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
@@ -96,7 +123,7 @@ enum KernelName {
 }
 
 impl MethodOptions {
-    fn method(&self) -> Method {
+    fn method(&self, predict_error: bool) -> Method {
         let kernel = match self.kernel {
             KernelName::Auto => KernelRule::Auto { tolerance_px: self.kernel_tolerance },
             KernelName::Disc => KernelRule::Forced(KernelModel::Disc),
@@ -104,11 +131,17 @@ impl MethodOptions {
             KernelName::Exact => KernelRule::Forced(KernelModel::Exact),
         };
         let layers = self.layers.map_or(usize::MAX, usize::from);
-        let settings = GatherSettings { kernel, max_radius_px: self.max_radius, layers };
+        let sides = match self.blur {
+            Blur::Both => Sides::Both,
+            Blur::Near => Sides::Near,
+            Blur::Far => Sides::Far,
+        };
+        let settings = GatherSettings { kernel, max_radius_px: self.max_radius, layers, sides, predict_error };
         match self.method {
             MethodName::Pinhole => Method::Pinhole,
             MethodName::OwnCoc => Method::OwnCoc(settings),
             MethodName::Gather => Method::Gather(settings),
+            MethodName::Merged => Method::Merged(settings),
         }
     }
 }
@@ -134,8 +167,20 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let Taken { camera, lens } = camera(options, &frame, &attributes)?;
     describe(&camera, lens.as_ref(), options.verbose);
 
+    // Open or close the iris as asked
+    let scale = options.method.blur_scale;
+    if !(scale >= 0.0 && scale.is_finite()) {
+        return Err(anyhow!("--blur-scale is {scale}; it must be 0 or positive").into());
+    }
+    let iris = camera.iris.with_radius(camera.iris.radius() * scale)?;
+    let camera = Camera { iris, ..camera };
+
     // Filter it
-    let method = options.method.method();
+    let method = options.method.method(options.predicted_error);
+    if options.predicted_error && !matches!(method, Method::Gather(_) | Method::Merged(_)) {
+        let name = method.name();
+        return Err(anyhow!("--predicted-error is known for the methods gather and merged only, not for {name}").into());
+    }
     let started = std::time::Instant::now();
     let bar = Bar::new(format!("filter ({})", method.name()));
     let filtered = apply(&FrameView::whole(&frame), &camera, &method, display, &bar)?;
@@ -158,9 +203,13 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let kernel = ("kernel", filtered.kernel.to_string());
     let notes = notes([("method", method.name().to_owned()), kernel, ("input", options.input.display().to_string())]);
     let sensor_mm = lens.map(|lens| sensor_mm(&camera, &lens));
-    write_picture(
+    let coc = options.coc.then(|| coc_radius_px(&FrameView::whole(&frame), &camera).cropped(display));
+    let planes = [("coc", coc.as_ref()), ("predicted_error", filtered.predicted_error.as_ref())];
+    let planes: Vec<_> = planes.into_iter().filter_map(|(name, plane)| Some((name, plane?))).collect();
+    write_picture_with(
         &options.output,
         &filtered.picture,
+        &planes,
         &head,
         &write_options(options.compression, lens.as_ref(), sensor_mm, notes),
     )?;
