@@ -128,7 +128,8 @@ pub fn apply(
             let run = GatherRun {
                 model,
                 max_radius: limit,
-                largest_radius: largest_radius_px,
+                // Bands of a picture must grow the same trees as the whole
+                largest_radius: self::largest_radius_px(depths, view, camera, view.frame().data()),
                 layers: view.frame().layers().len().min(settings.layers.max(1)),
                 sides: settings.sides,
                 fill_reach: FILL_REACH * limit,

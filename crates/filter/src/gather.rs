@@ -29,7 +29,7 @@ use crate::{
     kernel::KernelTable,
     lens_map::PixelLens,
     prepare::Prepared,
-    row::{BlockTap, Footprint, LANES, Round, Row, Shaped, Slab, gather_row},
+    row::{BlockTap, Footprint, LANES, Round, Row, Shaped, Shared, Slab, gather_row},
     tap::Weight,
     tiles::{TILE, by_tiles},
 };
@@ -43,6 +43,10 @@ const SIDES_PER_RADIUS: f32 = 5.0;
 /// Weights are affine in the focus over a tile where the radius changes by at most this share, or this many pixels.
 const STEADY_SHARE: f32 = 0.04;
 const STEADY_PX: f32 = 0.02;
+
+/// Over a block they are where it changes by at most this share, or by as many pixels as above; else each pixel has its
+/// own.
+const STEEP_SHARE: f32 = 0.08;
 
 /// Rows of a block by the spread of the defocus over its tile in pixels: weights are affine in the focus over a block.
 fn block_rows(spread: f32) -> u32 {
@@ -361,13 +365,16 @@ impl Gather<'_> {
         let half = 0.5 * (block.height as f32 - 1.0);
         let center = [block.x as f32 + 3.5, block.y as f32 + half];
         let lens = self.lens_at(f64::from(block.x) + 3.5, f64::from(block.y) + f64::from(half));
-        self.find(simd, tile_lens, &lens, center, half, scratch);
 
         // What the defocus is more at each pixel than at the centre
         let defocus = |x: f64, y: f64| lens.scale * (lens.focus - self.lens_at(x, y).focus);
         let (x, y) = (f64::from(block.x), f64::from(block.y));
         let corner = defocus(x, y);
         let (across, down) = (defocus(x + 1.0, y) - corner, defocus(x, y + 1.0) - corner);
+        let spread = 3.5 * across.abs() + half * down.abs();
+        self.find(simd, tile_lens, &lens, (center, half, spread), scratch);
+
+        let shared = Shared { lens: &lens, table: &self.table, max_radius: self.max_radius };
         for row in 0..block.height as i32 {
             if block.y + row < tile.y || block.y + row >= tile.y_end() {
                 continue;
@@ -378,20 +385,20 @@ impl Gather<'_> {
             }
             let y = row as f32 - half;
             let (taps, slabs) = (&scratch.block, &scratch.slabs);
-            let gathered = gather_row::<S, F, DOUBT>(simd, footprint, &lens, taps, slabs, y, &by);
+            let gathered = gather_row::<S, F, DOUBT>(simd, footprint, &shared, taps, slabs, y, &by);
             self.put(&gathered, block, row, tile, out);
         }
     }
 
-    /// Finds the taps that may touch a block.
+    /// Finds the taps that may touch a block, given by its centre, half its height less a pixel, and how far the defocus
+    /// differs from that at the centre.
     #[inline(always)]
     fn find<S: Simd>(
         &self,
         simd: S,
         tile_lens: &TileLens,
         lens: &PixelLens,
-        center: [f32; 2],
-        half: f32,
+        (center, half, spread): ([f32; 2], f32, f32),
         scratch: &mut Scratch,
     ) {
         let Scratch { taps, order, xs, ys, reaches, block, slabs, .. } = scratch;
@@ -424,6 +431,8 @@ impl Gather<'_> {
                     y: piece.y - center[1],
                     reach: tap.reach,
                     weight,
+                    steep: (spread > STEEP_SHARE * weight.defocus.abs().max(STEADY_PX / STEEP_SHARE))
+                        .then_some([piece.cover, piece.size]),
                     rgba: piece.rgba.map(|c| c * share),
                     doubt: piece.doubt,
                 });

@@ -5,7 +5,7 @@
 use fearless_simd::{f32x8, prelude::*};
 
 use crate::{
-    kernel::{Kernel, Outline},
+    kernel::{Kernel, KernelTable, Outline},
     lens_map::PixelLens,
     tap::Weight,
 };
@@ -21,9 +21,21 @@ pub(crate) struct BlockTap {
     /// How far its weight reaches, in pixels.
     pub(crate) reach: f32,
     pub(crate) weight: Weight,
+    /// Where the focus changes over the block by much of the blur radius: the cover and the side of the piece, from which
+    /// each pixel takes a kernel of its own.
+    pub(crate) steep: Option<[f32; 2]>,
     /// Colour as if it filled its pixels, and doubt.
     pub(crate) rgba: [f32; 4],
     pub(crate) doubt: f32,
+}
+
+/// What the pixels of a block share.
+pub(crate) struct Shared<'a> {
+    /// The lens at the block's centre.
+    pub(crate) lens: &'a PixelLens,
+    pub(crate) table: &'a KernelTable,
+    /// Largest blur radius in pixels.
+    pub(crate) max_radius: f32,
 }
 
 /// The pieces up to `end` from the end of the slab before; slabs come nearest first.
@@ -69,6 +81,18 @@ impl<S: Simd> Lanes<S> {
     fn new(simd: S, kernel: &Kernel, change: &Kernel, defocus: f32x8<S>) -> Self {
         let lane = |at: f32, by: f32| f32x8::splat(simd, by).mul_add(defocus, f32x8::splat(simd, at));
         Self { a: lane(kernel.a, change.a), b: lane(kernel.b, change.b), weight: lane(kernel.weight, change.weight) }
+    }
+
+    /// Each lane's own kernel: the focus may cross the piece, where the affine one would fall below 0.
+    fn steep(simd: S, shared: &Shared, weight: &Weight, [cover, size]: [f32; 2], defocus: &[f32; LANES]) -> Self {
+        let [mut a, mut b, mut full] = [[0.0; LANES]; 3];
+        for (i, by) in defocus.iter().enumerate() {
+            let radius = (weight.defocus + by).abs().min(shared.max_radius);
+            let (kernel, _) = shared.table.of_squares(radius, size);
+            (a[i], b[i], full[i]) = (cover * kernel.a, cover * kernel.b, cover * kernel.weight);
+        }
+        let [a, b, weight] = [a, b, full].map(|lanes| f32x8::from_slice(simd, &lanes));
+        Self { a, b, weight }
     }
 
     #[inline(always)]
@@ -170,14 +194,13 @@ impl<S: Simd> Hidden<S> {
 pub(crate) fn gather_row<S: Simd, F: Footprint, const DOUBT: bool>(
     simd: S,
     footprint: &F,
-    lens: &PixelLens,
+    shared: &Shared,
     taps: &[BlockTap],
     slabs: &[Slab],
     y: f32,
     defocus: &[f32; LANES],
 ) -> Row {
     let zero = f32x8::splat(simd, 0.0);
-    let defocus = f32x8::from_slice(simd, defocus);
     let x = f32x8::from_slice(simd, &[-3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5]);
     let (mut full, mut rgba, mut doubt) = (zero, [zero; 4], zero);
     // What hides the slabs to come, and the last slab, which hides only what does not touch it
@@ -196,13 +219,13 @@ pub(crate) fn gather_row<S: Simd, F: Footprint, const DOUBT: bool>(
         }
         let sums = if seen[0].simd_gt(1e-4).any_true() {
             let hidden = Hidden::new(simd, seen);
-            add_up::<S, F, DOUBT, true, true>(simd, footprint, lens, part, (x, y), defocus, &hidden)
+            add_up::<S, F, DOUBT, true, true>(simd, footprint, shared, part, (x, y), defocus, &hidden)
         } else {
             let hidden = Hidden { direction: [zero; 2], edge: zero, strength: zero };
             if start == taps.len() && slabs.len() == 1 {
-                add_up::<S, F, DOUBT, false, false>(simd, footprint, lens, part, (x, y), defocus, &hidden)
+                add_up::<S, F, DOUBT, false, false>(simd, footprint, shared, part, (x, y), defocus, &hidden)
             } else {
-                add_up::<S, F, DOUBT, true, false>(simd, footprint, lens, part, (x, y), defocus, &hidden)
+                add_up::<S, F, DOUBT, true, false>(simd, footprint, shared, part, (x, y), defocus, &hidden)
             }
         };
 
@@ -240,13 +263,13 @@ pub(crate) fn gather_row<S: Simd, F: Footprint, const DOUBT: bool>(
 fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool, const HIDDEN: bool>(
     simd: S,
     footprint: &F,
-    lens: &PixelLens,
+    shared: &Shared,
     taps: &[BlockTap],
     (x, y): (f32x8<S>, f32),
-    defocus: f32x8<S>,
+    by: &[f32; LANES],
     hidden: &Hidden<S>,
 ) -> Sums<S> {
-    let zero = f32x8::splat(simd, 0.0);
+    let (zero, defocus) = (f32x8::splat(simd, 0.0), f32x8::from_slice(simd, by));
     let mut sums = Sums { full: zero, rgba: [zero; 4], lens: [zero; 2], doubt: zero };
     for tap in taps {
         let dy = tap.y - y;
@@ -255,8 +278,11 @@ fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool, const HIDD
         }
         let weight = &tap.weight;
         let (dx, dy) = (f32x8::splat(simd, tap.x) - x, f32x8::splat(simd, dy));
-        let kernel = Lanes::new(simd, &weight.kernel, &weight.change, defocus);
-        let mut share = footprint.weight(tap, lens, dx, dy, &kernel);
+        let kernel = match tap.steep {
+            None => Lanes::new(simd, &weight.kernel, &weight.change, defocus),
+            Some(piece) => Lanes::steep(simd, shared, weight, piece, by),
+        };
+        let mut share = footprint.weight(tap, shared.lens, dx, dy, &kernel);
 
         // Count a sloped surface by the part of the iris it fills
         let slope = f32x8::splat(simd, weight.slope[0]).mul_add(dx, dy * weight.slope[1] + 1.0);
