@@ -43,8 +43,13 @@ const PROTOTYPE: [Row; 6] = [
     row("landscape_reverse", 24.2, [[25.7, 25.8, 25.3], [46.7, 45.2, 57.9], [49.4, 48.0, 58.1]]),
 ];
 
-/// How far below the prototype the filter may stay.
+/// How far below the prototype the filter may stay where there is nothing to gain: another order of sums moves the interior
+/// by as much.
 const SLACK_DB: f64 = 0.5;
+
+/// How far above the prototype it must be near edges, of one layer and of two: silhouettes taken apart, the background
+/// filled in, and the hidden part of the lens. Measured: 2.3 to 8.8 and 2.0 to 7.7 dB.
+const GAIN_AT_EDGES_DB: [f64; 2] = [2.0, 1.7];
 
 /// The table has one digit after the point, and masks may part by a few pixels whose jump is just 3 px.
 const SAME_DB: f64 = 0.1;
@@ -54,14 +59,15 @@ fn filtered(frame: &Frame, camera: &Camera, method: Method) -> Picture {
     filter::apply(&view, camera, &method, frame.display, &Silent).expect("a frame of the camera's size").picture
 }
 
-fn gather(layers: usize) -> Method {
-    Method::Gather(GatherSettings { layers, ..GatherSettings::default() })
+/// The default method, of one layer or all.
+fn merged(layers: usize) -> Method {
+    Method::Merged(GatherSettings { layers, ..GatherSettings::default() })
 }
 
 #[test]
-fn the_gather_reaches_the_prototype_on_every_reference() {
+fn the_filter_reaches_the_prototype_on_every_reference() {
     let Some(folder) = shared::folder() else { return };
-    let mut table = Table::new("Gather against the reference pictures, PSNR in dB");
+    let mut table = Table::new("Filter against the reference pictures, PSNR in dB");
     let mut failures = Vec::new();
     for row in PROTOTYPE {
         let case = Case::read(&folder.join("reference"), row.case);
@@ -82,10 +88,11 @@ fn the_gather_reaches_the_prototype_on_every_reference() {
         }
 
         // Hold the filter to the table
-        for (how, layers, asked) in [("one layer", 1, row.one_layer), ("two layers", 2, row.two_layers)] {
-            let found = score(gather(layers));
-            table.row(row.case, how, found, Some(asked));
-            let floor = Score(asked.0.map(|db| db - SLACK_DB));
+        for (how, layers, prototype) in [("one layer", 1, row.one_layer), ("two layers", 2, row.two_layers)] {
+            let found = score(merged(layers));
+            let [all, edges, interior] = prototype.0;
+            let floor = Score([all, edges + GAIN_AT_EDGES_DB[layers - 1], interior - SLACK_DB]);
+            table.row(row.case, how, found, Some(floor));
             failures.extend(found.shortfalls(&format!("{}, {how}", row.case), floor));
         }
     }
@@ -93,21 +100,24 @@ fn the_gather_reaches_the_prototype_on_every_reference() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Floors over the whole picture and near edges. A brute-force prototype reached 42.78 and 34.81 dB; on the same data
-/// other programs reach 39.3 to 42.7 and 30.6 to 34.8 dB.
-const CYCLES_FLOORS: [f64; 2] = [41.5, 34.0];
+/// Floors over the whole picture and near edges, half a decibel below what was measured. On the same data the best of
+/// other programs reaches 42.7 and 34.8 dB on `simple`, 33.4 and 29.7 dB on `occluder`.
+const CYCLES_FLOORS: [(&str, [f64; 2]); 2] = [("simple", [45.0, 39.7]), ("occluder", [36.6, 32.9])];
 
 #[test]
-fn the_gather_comes_near_a_picture_that_cycles_took() {
+fn the_filter_comes_near_pictures_that_cycles_took() {
     let Some(folder) = shared::folder() else { return };
-    let Case { frame, camera, masks, reference } = Case::of_cycles(&folder.join("reference/blender"), "simple");
-    let score = |method| Score::new(&reference, &filtered(&frame, &camera, method), &masks);
-    let (unfiltered, found) = (score(Method::Pinhole), score(gather(1)));
-    let [all, edges] = CYCLES_FLOORS;
-    let mut table = Table::new("Gather against Cycles, PSNR in dB without the reference's noise");
-    table.row("blender simple", "unfiltered", unfiltered, None);
-    table.row("blender simple", "one layer", found, Some(Score([all, edges, f64::NAN])));
+    let mut table = Table::new("Filter against Cycles, one layer, PSNR in dB without the reference's noise");
+    let mut failures = Vec::new();
+    for (scene, [all, edges]) in CYCLES_FLOORS {
+        let Case { frame, camera, masks, reference } = Case::of_cycles(&folder.join("reference/blender"), scene);
+        let score = |method| Score::new(&reference, &filtered(&frame, &camera, method), &masks);
+        let (unfiltered, found) = (score(Method::Pinhole), score(merged(1)));
+        let floor = Score([all, edges, f64::NEG_INFINITY]);
+        table.row(scene, "unfiltered", unfiltered, None);
+        table.row(scene, "one layer", found, Some(floor));
+        failures.extend(found.shortfalls(scene, floor));
+    }
     table.print();
-    assert!(found.all() >= all, "all: {:.2} < {all} dB", found.all());
-    assert!(found.edges() >= edges, "edges: {:.2} < {edges} dB", found.edges());
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

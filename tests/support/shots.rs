@@ -8,7 +8,7 @@ use crate::support::score::Score;
 use crate::support::traced::{Traced, scene};
 
 /// The rungs of the ladder, cheapest first.
-pub(crate) const RUNGS: [&str; 4] = ["0 pinhole", "1 own CoC", "2 gather, one layer", "2 gather, two layers"];
+pub(crate) const RUNGS: [&str; 4] = ["0 pinhole", "1 own CoC", "3 merged, one layer", "3 merged, two layers"];
 
 /// How far below the measured figures the floors lie, dB: all, edges, interior. Another seed, and so another truth and
 /// another frame, moves them by a tenth; the interior is so near to the truth that the truth's noise moves it more.
@@ -77,7 +77,7 @@ pub(crate) fn rung(index: usize) -> Method {
     match index {
         0 => Method::Pinhole,
         1 => Method::OwnCoc(one_layer),
-        2 => Method::Gather(one_layer),
-        _ => Method::Gather(GatherSettings::default()),
+        2 => Method::Merged(one_layer),
+        _ => Method::default(),
     }
 }

@@ -37,7 +37,9 @@ fn forced(kernel: KernelModel) -> GatherSettings {
 
 fn all_methods() -> Vec<Method> {
     let kernels = [KernelModel::Disc, KernelModel::Ellipse, KernelModel::Exact];
-    let blurs = kernels.into_iter().flat_map(|kernel| [Method::OwnCoc(forced(kernel)), Method::Gather(forced(kernel)), Method::Merged(forced(kernel))]);
+    let blurs = kernels.into_iter().flat_map(|kernel| {
+        [Method::OwnCoc(forced(kernel)), Method::Gather(forced(kernel)), Method::Merged(forced(kernel))]
+    });
     std::iter::once(Method::Pinhole).chain(blurs).collect()
 }
 
