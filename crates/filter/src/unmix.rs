@@ -16,7 +16,7 @@ use crate::surface::Surface;
 pub(crate) const UNMIX_REACH: i32 = 3;
 
 /// A jump of depth counts from this many pixels of blur radius.
-const LEAST_JUMP_PX: f32 = 0.5;
+const LEAST_JUMP_PX: f32 = 1.0;
 
 /// Shares nearer to 0 or 1 than this are taken as that.
 const PURE: f32 = 0.02;
@@ -68,6 +68,12 @@ pub(crate) fn splits(first: &Surface, behind: &[Surface], jump: f32) -> Vec<Spli
         })
         .collect();
     rows.concat()
+}
+
+/// No colour below 0 and no alpha above 1 unless the pixel itself has one.
+fn within(pixel: &[f32; 4], rgba: [f32; 4]) -> [f32; 4] {
+    let [r, g, b, a] = [0, 1, 2, 3].map(|c| rgba[c].max(pixel[c].min(0.0)));
+    [r, g, b, a.min(pixel[3].max(1.0))]
 }
 
 /// Where a pixel lies beside a jump of depth.
@@ -190,8 +196,8 @@ impl Splitter<'_> {
             index,
             is_near,
             share,
-            near: [0, 1, 2, 3].map(|c| near[c] + share * rest[c]),
-            far: [0, 1, 2, 3].map(|c| far[c] + open * rest[c]),
+            near: within(&rgba, [0, 1, 2, 3].map(|c| near[c] + share * rest[c])),
+            far: within(&rgba, [0, 1, 2, 3].map(|c| far[c] + open * rest[c])),
             doubt: ((own.variance + other.variance) / 6.0).sqrt(),
             other_depth: other.depth,
             other_slope: other.slope,

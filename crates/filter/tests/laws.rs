@@ -199,10 +199,10 @@ fn a_blurred_foreground_is_see_through_at_its_rim() {
         assert!((found - wanted).abs() < 0.03, "x {x}: {found}, wanted {wanted}");
     }
 
-    // Without the hidden layer the inner half of the rim stays opaque; without occlusion the outer half is lost too
+    // Without the hidden layer the floor is continued behind; without occlusion the outer half of the rim is lost
     let one_layer =
         filtered(&frame, &camera, &Method::Gather(GatherSettings { layers: 1, ..GatherSettings::default() }));
-    assert!(one_layer.at(30, 24)[0] > 0.99 && one_layer.at(34, 24)[0] > 0.2);
+    assert!((20..44).all(|x| (one_layer.at(x, 24)[0] - picture.at(x, 24)[0]).abs() < 0.03));
     let own = filtered(&frame, &camera, &Method::OwnCoc(GatherSettings::default()));
     assert!(own.at(34, 24)[0] < 0.01);
 }
@@ -276,10 +276,12 @@ fn moments(weighted: impl Iterator<Item = (DVec2, f64)>) -> Moments {
 #[test]
 fn an_odd_iris_is_upside_down_behind_the_plane_of_focus() {
     let triangle = ApertureShape::polygon(3, std::f64::consts::FRAC_PI_2).unwrap();
+    // A lone pixel may lie half a pixel beside the centre of its square where pixels are merged: each for itself here
+    let gather = Method::Gather(GatherSettings::default());
     let lopsided = |focus_depth: f64| {
         let camera = camera(DVec3::new(0.0, 0.0, 1.0 / focus_depth), DVec3::Z, 0.4, triangle);
         let wall = layer(DISPLAY, |x, y| f32::from((x, y) == (32, 24)), |_, _| 2.0);
-        let picture = filtered(&Frame::new(DISPLAY, vec![wall]).unwrap(), &camera, &Method::default());
+        let picture = filtered(&Frame::new(DISPLAY, vec![wall]).unwrap(), &camera, &gather);
         // Third moment along y: where the point of the triangle is
         let cube = |y: i32| f64::from(y - 24).powi(3);
         DISPLAY.pixels().map(|(x, y)| f64::from(picture.at(x, y)[0]) * cube(y)).sum::<f64>()
