@@ -1,0 +1,216 @@
+//! Rung 5: lens rays marched through the layered depth images (Lee, Eisemann and Seidel 2010, "Real-Time Lens Blur Effects
+//! and Focus Control").
+//!
+//! Each pixel sends rays through points of its iris. A ray passes over the pixels of a line, from near to far, and ends on
+//! the first surface that it meets: where its inverse depth crosses that of a layer, pixel by pixel a small plane.
+//! Neighbouring pixels are one surface where their planes meet at the border; between surfaces there is a gap, through
+//! which a ray passes behind what is nearer. So every pixel of a near, blurred thing hides exactly what it hides from each
+//! lens point, and nothing is counted twice: occlusion is right where a gather can only weigh.
+//!
+//! A ray that ends behind everything that the layers know takes part in nothing: the pixel is the mean of the rays that
+//! found something.
+
+use glam::{DVec2, Vec2};
+use optics::{Camera, KernelModel};
+use rgbd::{Cancelled, Picture, PixelWindow, Progress};
+
+use crate::{
+    FrameView,
+    depth_pyramid::{DepthPyramid, Range},
+    fetch_radius::FetchRadius,
+    lens_map::PixelLens,
+    lens_points::LensPoints,
+    lens_ray::{Hit, LensRay, pixel_ranges},
+    patch::Patches,
+    surface::{Surface, pixel_q},
+    tiles::by_tiles,
+};
+
+/// A step in depth that changes the blur by less than this many pixels of radius is no edge.
+const SEAMLESS_PX: f32 = 0.25;
+
+/// Settings of [`Method::LensRays`](crate::Method::LensRays).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LensRaysSettings {
+    /// Rays for each pixel, 1 to 65,536.
+    pub samples: u32,
+    /// Largest radius of the circle of confusion in pixels; larger ones are cut to it. `None`: a quarter of the display
+    /// window's width.
+    pub max_radius_px: Option<f32>,
+    /// How many of the frame's layers to use; 1 ignores hidden ones.
+    pub layers: usize,
+}
+
+impl Default for LensRaysSettings {
+    /// 64 rays, all layers.
+    fn default() -> Self {
+        Self { samples: 64, max_radius_px: None, layers: usize::MAX }
+    }
+}
+
+/// Everything that is the same for all tiles.
+struct Job<'a> {
+    view: &'a FrameView<'a>,
+    camera: &'a Camera,
+    max_radius: f32,
+    surfaces: Vec<Surface>,
+    patches: Patches,
+    pyramid: DepthPyramid,
+    points: LensPoints,
+    fetch: FetchRadius,
+}
+
+/// Sends the rays of `window`; `max_radius` in pixels.
+pub(crate) fn lens_rays(
+    view: &FrameView,
+    camera: &Camera,
+    settings: &LensRaysSettings,
+    max_radius: f32,
+    window: PixelWindow,
+    progress: &dyn Progress,
+) -> Result<Picture, Cancelled> {
+    let layers = view.frame().layers().len().min(settings.layers.max(1));
+    let surfaces: Vec<Surface> = (0..layers).map(|i| Surface::new(view, camera, i)).collect();
+    let blur = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
+    let patches = Patches::new(&surfaces, (SEAMLESS_PX / blur).min(1e6));
+    let pyramid = DepthPyramid::new(patches.window, pixel_ranges(&patches));
+    let shape = camera.iris.shape();
+    let points = LensPoints::new(shape, settings.samples);
+    let fetch = FetchRadius::new(&LensPoints::new(shape, 1024), shape.variance());
+    let job = Job { view, camera, max_radius, surfaces, patches, pyramid, points, fetch };
+    by_tiles(window, progress, |tile| job.tile(tile))
+}
+
+/// What a ray, or all rays of a pixel, have found: colour, and how much of them has ended.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    rgba: [f32; 4],
+    ended: f32,
+}
+
+impl Found {
+    fn add(&mut self, weight: f32, other: &Self) {
+        self.ended += weight * other.ended;
+        self.rgba.iter_mut().zip(other.rgba).for_each(|(sum, c)| *sum += weight * c);
+    }
+}
+
+impl Job<'_> {
+    /// The colours of one tile, row by row.
+    fn tile(&self, tile: PixelWindow) -> Vec<[f32; 4]> {
+        let lens = |x, y| PixelLens::new(self.camera, KernelModel::Exact, pixel_q(self.view, self.camera, x, y));
+        let lenses: Vec<PixelLens> = tile.pixels().map(|(x, y)| lens(x, y)).collect();
+        let range = self.range(tile, &lenses);
+        tile.pixels().zip(&lenses).map(|((x, y), lens)| self.pixel(x, y, lens, range)).collect()
+    }
+
+    /// The inverse depths that the rays of a tile may meet.
+    fn range(&self, tile: PixelWindow, lenses: &[PixelLens]) -> Range {
+        let mut range = self.pyramid.over(self.patches.window);
+        // What is out of reach for every depth that is left does not count
+        for _ in 0..4 {
+            if range.is_empty() {
+                break;
+            }
+            let reach = |lens: &PixelLens| {
+                let defocus = (range.high - lens.focus).abs().max((range.low - lens.focus).abs());
+                (lens.widest * defocus).min(self.max_radius * lens.stretch())
+            };
+            let reach = lenses.iter().map(reach).fold(0.0, f32::max) as u32 + 2;
+            range = self.pyramid.over(tile.grown(reach, reach));
+        }
+        range
+    }
+
+    /// The mean over the rays of one pixel.
+    fn pixel(&self, x: i32, y: i32, lens: &PixelLens, range: Range) -> [f32; 4] {
+        if range.is_empty() {
+            return [0.0; 4];
+        }
+        // Span the pixel's footprint per unit of defocus, as equation 5 does
+        let q = pixel_q(self.view, self.camera, x, y);
+        let (iris, px) = (&self.camera.iris, self.camera.film.pixels_per_q());
+        let focus = self.camera.focus.inverse_depth(q);
+        let to_px = DVec2::new(px.x, -px.y) * iris.radius();
+        let axis = |e: glam::DVec3| (to_px * (e.truncate() - e.z * q)).as_vec2();
+        let (axis1, axis2) = (axis(iris.e1()), axis(iris.e2()));
+        let skew = (DVec2::new(iris.e1().z, iris.e2().z) * (focus * iris.radius())).as_vec2();
+        let limit = if lens.scale > 0.0 { self.max_radius / lens.scale } else { f32::INFINITY };
+
+        let window = self.patches.window;
+        let display = self.view.frame().display;
+        let mut found = Found::default();
+        for u in self.points.of_pixel(x - display.x, y - display.y) {
+            let pace = (axis1 * u.x + axis2 * u.y) / (1.0 - skew.dot(*u)).max(0.5);
+            let (column, row) = (x - window.x, y - window.y);
+            let ray = LensRay { column, row, focus: lens.focus, pace, limit };
+            found.add(1.0, &self.trace(&ray, lens, range));
+        }
+        if found.ended > 0.0 { found.rgba.map(|c| c / found.ended) } else { self.unfiltered(x, y) }
+    }
+
+    /// What one ray finds.
+    fn trace(&self, ray: &LensRay, lens: &PixelLens, range: Range) -> Found {
+        let mut found = Found::default();
+        ray.march(&self.patches, &self.pyramid, range, |hit| {
+            let fetched = self.fetch(&hit, ray, lens);
+            found.add(1.0 - found.ended, &fetched);
+            found.ended < OPAQUE
+        });
+        found
+    }
+
+    /// The surface around a hit, interpolated between pixel centres.
+    fn fetch(&self, hit: &Hit, ray: &LensRay, lens: &PixelLens) -> Found {
+        let surface = &self.surfaces[hit.layer];
+        let patch = &self.patches.layers[hit.layer][hit.index];
+        let own = Found { rgba: surface.rgba[hit.index], ended: surface.cover[hit.index] };
+        let radius = ((hit.s - ray.focus).abs() * lens.scale).min(self.max_radius);
+        let at = hit.offset * (self.fetch.scale(radius)) - (hit.offset - hit.within);
+
+        let (low, window) = (at.floor(), self.patches.window);
+        let (column, row) = ((hit.index % window.width as usize) as i32, (hit.index / window.width as usize) as i32);
+        let part = at - low;
+        let mut found = Found::default();
+        for (dx, dy, weight) in [
+            (0, 0, (1.0 - part.x) * (1.0 - part.y)),
+            (1, 0, part.x * (1.0 - part.y)),
+            (0, 1, (1.0 - part.x) * part.y),
+            (1, 1, part.x * part.y),
+        ] {
+            let (dx, dy) = (dx + low.x as i32, dy + low.y as i32);
+            let (column, row) = (column + dx, row + dy);
+            let inside = column >= 0 && row >= 0 && column < window.width as i32 && row < window.height as i32;
+            if weight == 0.0 {
+                continue;
+            }
+            if (dx, dy) == (0, 0) || !inside {
+                found.add(weight, &own);
+                continue;
+            }
+            // Take the neighbour that lies on the same surface, in this layer or another; else the pixel that is hit
+            let index = row as usize * window.width as usize + column as usize;
+            let wanted = patch.at(dx as f32, dy as f32);
+            let is_same = |layer: &usize| {
+                let neighbour = &self.patches.layers[*layer][index];
+                neighbour.is_there() && (neighbour.s - wanted).abs() <= patch.slack + neighbour.slack
+            };
+            let same = std::iter::once(hit.layer).chain(0..self.surfaces.len()).find(is_same);
+            let neighbour = same.map(|layer| {
+                let surface = &self.surfaces[layer];
+                Found { rgba: surface.rgba[index], ended: surface.cover[index] }
+            });
+            found.add(weight, &neighbour.unwrap_or(own));
+        }
+        found
+    }
+
+    /// The first layer's colour, nothing outside the data.
+    fn unfiltered(&self, x: i32, y: i32) -> [f32; 4] {
+        let surface = &self.surfaces[0];
+        if surface.window.contains(x, y) { surface.rgba[surface.window.index(x, y)] } else { [0.0; 4] }
+    }
+}
+
+/// A ray that has ended this far is followed no more.
+const OPAQUE: f32 = 0.9999;

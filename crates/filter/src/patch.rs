@@ -1,0 +1,109 @@
+//! One pixel of a surface as a small plane: what a lens ray can hit.
+
+use rgbd::PixelWindow;
+
+use crate::surface::Surface;
+
+/// Inverse depth over one pixel, `s + gx dx + gy dy` at an offset (x right, y down) from its centre.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Patch {
+    pub(crate) s: f32,
+    pub(crate) gx: f32,
+    pub(crate) gy: f32,
+    /// How far a neighbour's plane may be off at the common border and still be the same surface; negative where there is
+    /// no surface.
+    pub(crate) slack: f32,
+}
+
+impl Patch {
+    const NOTHING: Self = Self { s: 0.0, gx: 0.0, gy: 0.0, slack: -1.0 };
+
+    #[inline(always)]
+    pub(crate) fn is_there(&self) -> bool {
+        self.slack >= 0.0
+    }
+
+    #[inline(always)]
+    pub(crate) fn at(&self, dx: f32, dy: f32) -> f32 {
+        self.s + self.gx * dx + self.gy * dy
+    }
+
+    /// Half of what it rises over the pixel.
+    pub(crate) fn rise(&self) -> f32 {
+        0.5 * (self.gx.abs() + self.gy.abs())
+    }
+}
+
+/// The patches of a surface; what `is_hidden` says is left out. `slack` is the step in inverse depth that does not count
+/// as an edge.
+pub(crate) fn patches(surface: &Surface, slack: f32, is_hidden: impl Fn(usize) -> bool) -> Vec<Patch> {
+    let window = surface.window;
+    let value = |x: i32, y: i32| {
+        let i = window.contains(x, y).then(|| window.index(x, y))?;
+        (surface.cover[i] > 0.0).then_some(surface.inverse_depth[i])
+    };
+    let patch = |(x, y): (i32, i32)| {
+        let i = window.index(x, y);
+        if surface.cover[i] <= 0.0 || is_hidden(i) {
+            return Patch::NOTHING;
+        }
+        let gx = slope([-2, -1, 0, 1, 2].map(|d| value(x + d, y)), slack);
+        let gy = slope([-2, -1, 0, 1, 2].map(|d| value(x, y + d)), slack);
+        let patch = Patch { s: surface.inverse_depth[i], gx, gy, slack };
+        Patch { slack: slack + patch.rise(), ..patch }
+    };
+    window.pixels().map(patch).collect()
+}
+
+/// The slope at the middle one of five values in a row: central where they lie on one line, else that of the side which
+/// is straighter (Harten's ENO choice); 0 where neither side goes on as a surface does.
+fn slope(values: [Option<f32>; 5], slack: f32) -> f32 {
+    let [far_before, before, here, after, far_after] = values;
+    let Some(here) = here else { return 0.0 };
+    let (before_step, after_step) = (before.map(|v| here - v), after.map(|v| v - here));
+
+    // A slope counts where the next step is like it: an edge is a step with none like it
+    let bend = |near: Option<f32>, far: Option<f32>, step: f32| match (near, far) {
+        (Some(near), Some(far)) => (here - 2.0 * near + far).abs(),
+        _ => step.abs(),
+    };
+    let mut best = (f32::INFINITY, 0.0);
+    let mut offer = |bend: f32, step: f32, largest: f32| {
+        if bend <= 0.5 * largest + slack && bend < best.0 {
+            best = (bend, step);
+        }
+    };
+    if let (Some(a), Some(b)) = (before_step, after_step) {
+        offer((b - a).abs(), 0.5 * (a + b), a.abs().max(b.abs()));
+    }
+    if let Some(step) = before_step {
+        offer(bend(before, far_before, step), step, step.abs());
+    }
+    if let Some(step) = after_step {
+        offer(bend(after, far_after, step), step, step.abs());
+    }
+    best.1
+}
+
+/// All patches of all surfaces, and what lies where.
+pub(crate) struct Patches {
+    pub(crate) window: PixelWindow,
+    /// By surface, row by row.
+    pub(crate) layers: Vec<Vec<Patch>>,
+}
+
+impl Patches {
+    /// What an earlier surface fills wholly hides, in its own pixel, every later one: a later one that says it is nearer
+    /// contradicts the picture and is left out.
+    pub(crate) fn new(surfaces: &[Surface], slack: f32) -> Self {
+        let window = surfaces[0].window;
+        let layer = |n: usize| {
+            let is_hidden = |i: usize| {
+                let s = surfaces[n].inverse_depth[i];
+                surfaces[..n].iter().any(|earlier| earlier.cover[i] >= 1.0 && earlier.inverse_depth[i] <= s)
+            };
+            patches(&surfaces[n], slack, is_hidden)
+        };
+        Self { window, layers: (0..surfaces.len()).map(layer).collect() }
+    }
+}
