@@ -4,7 +4,6 @@
 //! `p(s) = q + (s - w(q)) (l - l_z q) / (1 - l_z w(q))`: a straight line in the picture, walked from near to far.
 
 use glam::Vec2;
-use rgbd::PixelWindow;
 
 use crate::{
     depth_pyramid::{DepthPyramid, LEVELS, Range, SHIFTS},
@@ -81,7 +80,7 @@ impl LensRay {
         // Start where the ray comes within the range
         let mut s = range.high;
         let start = self.offset(s);
-        let (mut dx, mut dy) = ((start.x + 0.5).floor() as i32, (start.y + 0.5).floor() as i32);
+        let (mut dx, mut dy) = (floor(start.x + 0.5), floor(start.y + 0.5));
         let mut before = None;
         let mut level = LEVELS - 1;
         loop {
@@ -96,7 +95,8 @@ impl LensRay {
             let leave_y = ahead(1, dy - top, dy - top + side);
             let leave = leave_x.max(leave_y).max(range.low);
 
-            // Look closer where the block holds what the ray may meet
+            // Look closer where the block holds what the ray may meet, wider where it does not
+            let mut next_level = (level + 1).min(LEVELS - 1);
             if inside {
                 let block = pyramid.block(level, column, row);
                 if leave <= block.high && s >= block.low {
@@ -108,6 +108,7 @@ impl LensRay {
                     if !self.visit(patches, &visit, &mut meet) {
                         return;
                     }
+                    next_level = 0;
                 }
             }
             if leave <= range.low {
@@ -118,7 +119,7 @@ impl LensRay {
             s = leave;
             let settle = |axis: usize, from: i32, end: i32, ties_first: bool| {
                 let place = if axis == 0 { self.offset(s).x } else { self.offset(s).y };
-                let mut at = ((place + 0.5).floor() as i32).clamp(from.min(end), from.max(end));
+                let mut at = floor(place + 0.5).clamp(from.min(end), from.max(end));
                 let is_past = |at: i32| {
                     let crossed = ahead(axis, at, at);
                     crossed > s || (ties_first && crossed == s)
@@ -144,7 +145,7 @@ impl LensRay {
                 dy = if step[1] > 0 { dy - top + side + 1 } else { dy - top - 1 };
                 before = Some((dx, dy - step[1]));
             }
-            level = (level + 1).min(LEVELS - 1);
+            level = next_level;
         }
     }
 
@@ -198,7 +199,8 @@ impl LensRay {
     fn inside(&self, patch: &Patch, center: Vec2) -> (f32, Vec2) {
         let slope = Vec2::new(patch.gx, patch.gy);
         let defocus = (patch.s - self.focus - slope.dot(center)) / (1.0 - slope.dot(self.pace)).max(1e-6);
-        let within = (self.pace * defocus.clamp(-self.limit, self.limit) - center).clamp(Vec2::splat(-0.5), Vec2::splat(0.5));
+        let within =
+            (self.pace * defocus.clamp(-self.limit, self.limit) - center).clamp(Vec2::splat(-0.5), Vec2::splat(0.5));
         (patch.at(within.x, within.y), within)
     }
 
@@ -224,6 +226,13 @@ impl LensRay {
     }
 }
 
+/// The largest integer not above `value`; without SSE 4.1 `f32::floor` is a call.
+#[inline(always)]
+pub(crate) fn floor(value: f32) -> i32 {
+    let whole = value as i32;
+    whole - i32::from(whole as f32 > value)
+}
+
 /// The pixel ranges of inverse depth that a ray must look into.
 pub(crate) fn pixel_ranges(patches: &Patches) -> Vec<Range> {
     let range = |i: usize| {
@@ -236,9 +245,4 @@ pub(crate) fn pixel_ranges(patches: &Patches) -> Vec<Range> {
         })
     };
     (0..patches.window.area()).map(range).collect()
-}
-
-/// Column and row of a pixel in a window, perhaps outside.
-pub(crate) fn place(window: PixelWindow, x: i32, y: i32) -> (i32, i32) {
-    (x - window.x, y - window.y)
 }

@@ -20,7 +20,7 @@ use crate::{
     fetch_radius::FetchRadius,
     lens_map::PixelLens,
     lens_points::LensPoints,
-    lens_ray::{Hit, LensRay, pixel_ranges},
+    lens_ray::{Hit, LensRay, floor, pixel_ranges},
     patch::Patches,
     surface::{Surface, pixel_q},
     tiles::by_tiles,
@@ -89,9 +89,12 @@ struct Found {
 }
 
 impl Found {
+    #[inline(always)]
     fn add(&mut self, weight: f32, other: &Self) {
         self.ended += weight * other.ended;
-        self.rgba.iter_mut().zip(other.rgba).for_each(|(sum, c)| *sum += weight * c);
+        for (sum, c) in self.rgba.iter_mut().zip(other.rgba) {
+            *sum += weight * c;
+        }
     }
 }
 
@@ -161,48 +164,56 @@ impl Job<'_> {
     }
 
     /// The surface around a hit, interpolated between pixel centres.
+    #[inline(always)]
     fn fetch(&self, hit: &Hit, ray: &LensRay, lens: &PixelLens) -> Found {
-        let surface = &self.surfaces[hit.layer];
-        let patch = &self.patches.layers[hit.layer][hit.index];
-        let own = Found { rgba: surface.rgba[hit.index], ended: surface.cover[hit.index] };
+        // Draw the fetch in, so that interpolation and lens together blur as much as the lens should
         let radius = ((hit.s - ray.focus).abs() * lens.scale).min(self.max_radius);
-        let at = hit.offset * (self.fetch.scale(radius)) - (hit.offset - hit.within);
+        let at = hit.offset * self.fetch.scale(radius) - (hit.offset - hit.within);
+        let (left, top) = (floor(at.x), floor(at.y));
+        let part = at - Vec2::new(left as f32, top as f32);
+        let weights =
+            [(1.0 - part.x) * (1.0 - part.y), part.x * (1.0 - part.y), (1.0 - part.x) * part.y, part.x * part.y];
 
-        let (low, window) = (at.floor(), self.patches.window);
-        let (column, row) = ((hit.index % window.width as usize) as i32, (hit.index / window.width as usize) as i32);
-        let part = at - low;
+        // Inside a surface its pixels are mixed as they are
+        let width = self.patches.window.width as i32;
+        let is_near = |low: i32| (-1..=0).contains(&low);
         let mut found = Found::default();
-        for (dx, dy, weight) in [
-            (0, 0, (1.0 - part.x) * (1.0 - part.y)),
-            (1, 0, part.x * (1.0 - part.y)),
-            (0, 1, (1.0 - part.x) * part.y),
-            (1, 1, part.x * part.y),
-        ] {
-            let (dx, dy) = (dx + low.x as i32, dy + low.y as i32);
-            let (column, row) = (column + dx, row + dy);
-            let inside = column >= 0 && row >= 0 && column < window.width as i32 && row < window.height as i32;
-            if weight == 0.0 {
-                continue;
+        if is_near(left) && is_near(top) && self.patches.is_seamless(hit.layer, hit.index) {
+            let first = (hit.index as i32 + top * width + left) as usize;
+            for (i, weight) in [0, 1, width as usize, width as usize + 1].into_iter().zip(weights) {
+                found.add(weight, &self.own(hit.layer, first + i));
             }
-            if (dx, dy) == (0, 0) || !inside {
-                found.add(weight, &own);
-                continue;
+            return found;
+        }
+        for ((dx, dy), weight) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().zip(weights) {
+            if weight > 0.0 {
+                found.add(weight, &self.neighbour(hit, left + dx, top + dy));
             }
-            // Take the neighbour that lies on the same surface, in this layer or another; else the pixel that is hit
-            let index = row as usize * window.width as usize + column as usize;
-            let wanted = patch.at(dx as f32, dy as f32);
-            let is_same = |layer: &usize| {
-                let neighbour = &self.patches.layers[*layer][index];
-                neighbour.is_there() && (neighbour.s - wanted).abs() <= patch.slack + neighbour.slack
-            };
-            let same = std::iter::once(hit.layer).chain(0..self.surfaces.len()).find(is_same);
-            let neighbour = same.map(|layer| {
-                let surface = &self.surfaces[layer];
-                Found { rgba: surface.rgba[index], ended: surface.cover[index] }
-            });
-            found.add(weight, &neighbour.unwrap_or(own));
         }
         found
+    }
+
+    /// The pixel at (dx, dy) from a hit on the same surface, in this layer or another; where there is none, the pixel that
+    /// was hit.
+    fn neighbour(&self, hit: &Hit, dx: i32, dy: i32) -> Found {
+        let window = self.patches.window;
+        let (column, row) = (hit.index as i32 % window.width as i32 + dx, hit.index as i32 / window.width as i32 + dy);
+        let (x, y) = (window.x + column, window.y + row);
+        if (dx, dy) == (0, 0) || !window.contains(x, y) {
+            return self.own(hit.layer, hit.index);
+        }
+        let index = window.index(x, y);
+        match self.patches.next_layer(hit.layer, hit.index, dx, dy, index) {
+            Some(layer) => self.own(layer, index),
+            None => self.own(hit.layer, hit.index),
+        }
+    }
+
+    /// A pixel of a surface as it is.
+    #[inline(always)]
+    fn own(&self, layer: usize, index: usize) -> Found {
+        let surface = &self.surfaces[layer];
+        Found { rgba: surface.rgba[index], ended: surface.cover[index] }
     }
 
     /// The first layer's colour, nothing outside the data.

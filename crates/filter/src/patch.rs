@@ -1,5 +1,6 @@
 //! One pixel of a surface as a small plane: what a lens ray can hit.
 
+use rayon::prelude::*;
 use rgbd::PixelWindow;
 
 use crate::surface::Surface;
@@ -28,6 +29,12 @@ impl Patch {
         self.s + self.gx * dx + self.gy * dy
     }
 
+    /// Whether a patch at (dx, dy) lies on the same surface.
+    #[inline(always)]
+    fn goes_on(&self, dx: i32, dy: i32, other: &Self) -> bool {
+        other.is_there() && (other.s - self.at(dx as f32, dy as f32)).abs() <= self.slack + other.slack
+    }
+
     /// Half of what it rises over the pixel.
     pub(crate) fn rise(&self) -> f32 {
         0.5 * (self.gx.abs() + self.gy.abs())
@@ -47,8 +54,8 @@ pub(crate) fn patches(surface: &Surface, slack: f32, is_hidden: impl Fn(usize) -
         if surface.cover[i] <= 0.0 || is_hidden(i) {
             return Patch::NOTHING;
         }
-        let gx = slope([-2, -1, 0, 1, 2].map(|d| value(x + d, y)), slack);
-        let gy = slope([-2, -1, 0, 1, 2].map(|d| value(x, y + d)), slack);
+        let gx = slope([-2, -1, 0, 1, 2].map(|d| value(x + d, y)), slack, surface.slope[i][0]);
+        let gy = slope([-2, -1, 0, 1, 2].map(|d| value(x, y + d)), slack, surface.slope[i][1]);
         let patch = Patch { s: surface.inverse_depth[i], gx, gy, slack };
         Patch { slack: slack + patch.rise(), ..patch }
     };
@@ -56,10 +63,13 @@ pub(crate) fn patches(surface: &Surface, slack: f32, is_hidden: impl Fn(usize) -
 }
 
 /// The slope at the middle one of five values in a row: central where they lie on one line, else that of the side which
-/// is straighter (Harten's ENO choice); 0 where neither side goes on as a surface does.
-fn slope(values: [Option<f32>; 5], slack: f32) -> f32 {
+/// is straighter (Harten's ENO choice); `alone` where there are no others, 0 where neither side goes on as a surface does.
+fn slope(values: [Option<f32>; 5], slack: f32, alone: f32) -> f32 {
     let [far_before, before, here, after, far_after] = values;
     let Some(here) = here else { return 0.0 };
+    if before.is_none() && after.is_none() {
+        return alone;
+    }
     let (before_step, after_step) = (before.map(|v| here - v), after.map(|v| v - here));
 
     // A slope counts where the next step is like it: an edge is a step with none like it
@@ -90,6 +100,8 @@ pub(crate) struct Patches {
     pub(crate) window: PixelWindow,
     /// By surface, row by row.
     pub(crate) layers: Vec<Vec<Patch>>,
+    /// By surface, row by row: whether all eight neighbours lie on the same surface in the same layer.
+    seamless: Vec<Vec<bool>>,
 }
 
 impl Patches {
@@ -104,6 +116,30 @@ impl Patches {
             };
             patches(&surfaces[n], slack, is_hidden)
         };
-        Self { window, layers: (0..surfaces.len()).map(layer).collect() }
+        let layers: Vec<Vec<Patch>> = (0..surfaces.len()).into_par_iter().map(layer).collect();
+        let is_seamless = |patches: &Vec<Patch>, x: i32, y: i32| {
+            let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+            let patch = &patches[window.index(x, y)];
+            patch.is_there()
+                && around.into_iter().all(|(dx, dy)| {
+                    window.contains(x + dx, y + dy) && patch.goes_on(dx, dy, &patches[window.index(x + dx, y + dy)])
+                })
+        };
+        let seamless = |patches| window.pixels().map(|(x, y)| is_seamless(patches, x, y)).collect();
+        let seamless = layers.par_iter().map(seamless).collect();
+        Self { window, layers, seamless }
+    }
+
+    /// Whether all eight neighbours of a pixel lie on its surface, in the same layer.
+    #[inline(always)]
+    pub(crate) fn is_seamless(&self, layer: usize, index: usize) -> bool {
+        self.seamless[layer][index]
+    }
+
+    /// The layer that goes on with the surface of a pixel at the neighbour at (dx, dy); its own, where that does.
+    pub(crate) fn next_layer(&self, layer: usize, index: usize, dx: i32, dy: i32, neighbour: usize) -> Option<usize> {
+        let patch = &self.layers[layer][index];
+        let goes_on = |&other: &usize| patch.goes_on(dx, dy, &self.layers[other][neighbour]);
+        std::iter::once(layer).chain(0..self.layers.len()).find(goes_on)
     }
 }
