@@ -49,18 +49,6 @@ fn measure(case: &cases::Case, method: &Method) -> (String, f64) {
     let filtered = apply(&FrameView::whole(&case.frame), &case.camera, method, case.frame.display, &Silent);
     let picture = filtered.expect("a frame of the camera's size").picture;
     let seconds = started.elapsed().as_secs_f64();
-    if let Some(folder) = std::env::var_os("QUALITY_OUT") {
-        let truth = case.reference.picture();
-        let diff = rgbd::Picture::from_fn(case.frame.display, |x, y| {
-            let (a, b) = (picture.at(x, y), truth.at(x, y));
-            let d = [0, 1, 2].map(|c| 0.2 + 4.0 * (a[c] - b[c]));
-            [d[0], d[1], d[2], 1.0]
-        });
-        let name = |what: &str| std::path::Path::new(&folder).join(format!("{what}.png"));
-        rgbd::write_png(&name("diff"), &diff, 0.0).unwrap();
-        rgbd::write_png(&name("picture"), &picture, 0.0).unwrap();
-        rgbd::write_png(&name("truth"), &truth, 0.0).unwrap();
-    }
     let Score([all, edges, interior]) = Score::new(&case.reference, &picture, &case.masks);
     let flip = Comparison::new(&case.reference, &picture, &case.masks).expect("pictures of one window");
     let flip = flip.within(MaskKind::All).expect("a whole picture").flip_hdr;

@@ -139,6 +139,7 @@ pub fn apply(
             let run = GatherRun {
                 model,
                 max_radius: limit,
+                largest_radius: largest_radius_px,
                 layers,
                 fill_reach,
                 merge: matches!(method, Method::Merged(_)),

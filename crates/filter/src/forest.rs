@@ -14,7 +14,7 @@ use crate::{fragment::Fragment, prepare::Prepared, surface::Surface};
 pub(crate) const SQUARE: i32 = 16;
 
 /// Pieces are merged if their blur radii differ by at most this, in sides of the square.
-const MERGED_SPREAD: f32 = 0.5;
+const MERGED_SPREAD: f32 = 0.25;
 
 /// A piece of surface, of one pixel or merged.
 #[derive(Debug, Clone, Copy)]
@@ -171,20 +171,24 @@ impl Prepared {
             let (slope, cover, rgba) = (first.slope[i], first.cover[i], first.rgba[i]);
             Piece { x, y, size: 1.0, inverse_depth: s, range: [s; 2], slope, cover, rgba, doubt: 0.0, parts: (0, 0) }
         } else {
-            let fragment = &self.fragments[(i - count) as usize];
-            let ((x, y), s) = (at(fragment.index), fragment.inverse_depth);
-            Piece {
-                x: x as f32,
-                y: y as f32,
-                size: 1.0,
-                inverse_depth: s,
-                range: [s; 2],
-                slope: fragment.slope,
-                cover: fragment.cover,
-                rgba: fragment.rgba,
-                doubt: fragment.doubt,
-                parts: (0, 0),
-            }
+            self.fragment(&self.fragments[(i - count) as usize])
+        }
+    }
+
+    fn fragment(&self, fragment: &Fragment) -> Piece {
+        let window = self.window();
+        let s = fragment.inverse_depth;
+        Piece {
+            x: ((fragment.index % window.width) as i32 + window.x) as f32,
+            y: ((fragment.index / window.width) as i32 + window.y) as f32,
+            size: 1.0,
+            inverse_depth: s,
+            range: [s; 2],
+            slope: fragment.slope,
+            cover: fragment.cover,
+            rgba: fragment.rgba,
+            doubt: fragment.doubt,
+            parts: (0, 0),
         }
     }
 }
@@ -205,57 +209,74 @@ impl Grower<'_> {
         let corner = (column * SQUARE, row * SQUARE);
         let mut trees = Trees { range: EMPTY, ..Trees::default() };
 
-        // Sort the leaves by squares of 2, 4, ... pixels: items of a square lie together
-        let mut lists: Vec<Vec<Item>> = vec![Vec::new(); (SQUARE * SQUARE) as usize];
+        // Take the leaves in an order in which those of each square of 2, 4, ... pixels lie together
+        items.clear();
         let area = window.area() as u32;
-        for y in corner.1.max(window.y)..(corner.1 + SQUARE).min(window.y_end()) {
-            let of_row = (y - window.y) as usize;
-            let (start, end) = (corner.0.max(window.x), (corner.0 + SQUARE).min(window.x_end()));
-            for x in start..end {
+        let mut starts = [0; (SQUARE * SQUARE) as usize + 1];
+        let mut cursors = [0; SQUARE as usize];
+        for (row, cursor) in cursors.iter_mut().enumerate() {
+            let y = corner.1 + row as i32;
+            if (window.y..window.y_end()).contains(&y) {
+                let of_row = (y - window.y) as usize;
+                let fragments = &self.prepared.fragments[self.row_starts[of_row]..self.row_starts[of_row + 1]];
+                let from = window.index(corner.0.max(window.x), y) as u32;
+                *cursor = self.row_starts[of_row] + fragments.partition_point(|f| f.index < from);
+            }
+        }
+        for z in 0..(SQUARE * SQUARE) as usize {
+            let (dx, dy) = from_z_order(z as i32);
+            let (x, y) = (corner.0 + dx, corner.1 + dy);
+            if window.contains(x, y) {
                 let i = window.index(x, y) as u32;
                 if self.prepared.first.cover[i as usize] > 0.0 {
-                    lists[z_order(x - corner.0, y - corner.1)].push((self.prepared.leaf(i), i | LEAF));
+                    items.push((self.prepared.leaf(i), i | LEAF));
+                }
+                let cursor = &mut cursors[dy as usize];
+                while let Some(fragment) = self.prepared.fragments.get(*cursor).filter(|f| f.index == i) {
+                    let leaf = area + *cursor as u32;
+                    items.push((self.prepared.fragment(fragment), leaf | LEAF));
+                    *cursor += 1;
                 }
             }
-            let fragments = &self.prepared.fragments[self.row_starts[of_row]..self.row_starts[of_row + 1]];
-            let from = window.index(start, y) as u32;
-            let skip = fragments.partition_point(|f| f.index < from);
-            for (k, f) in
-                fragments.iter().enumerate().skip(skip).take_while(|(_, f)| f.index < from + (end - start) as u32)
-            {
-                let leaf = area + (self.row_starts[of_row] + k) as u32;
-                let x = f.index as i32 - from as i32 + start;
-                lists[z_order(x - corner.0, y - corner.1)].push((self.prepared.leaf(leaf), leaf | LEAF));
-            }
+            starts[z + 1] = items.len();
         }
 
-        // Merge four squares into one, level by level
+        // Merge four squares into one, level by level; what is merged takes the place of its parts
+        let mut squares = (SQUARE * SQUARE) as usize;
         for level in 1..=levels {
             let size = (1 << level) as f32;
-            let merged = lists.chunks(4).map(|four| {
-                items.clear();
-                items.extend(four.iter().flatten());
-                self.merge(items, size, &mut trees)
-            });
-            lists = merged.collect();
+            squares /= 4;
+            let mut end = 0;
+            for square in 0..squares {
+                let (from, to) = (starts[4 * square], starts[4 * square + 4]);
+                let count = self.merge(&mut items[from..to], size, &mut trees);
+                items.copy_within(from..from + count, end);
+                starts[square] = end;
+                end += count;
+            }
+            starts[squares] = end;
+            items.truncate(end);
         }
-        let roots: Vec<Item> = lists.concat();
-        trees.range = roots.iter().fold(EMPTY, |range, (piece, _)| joined(range, piece.range));
-        trees.roots = (trees.parts.len() as u32, roots.len() as u32);
-        trees.parts.extend(roots.iter().map(|&(_, name)| name));
+        trees.range = items.iter().fold(EMPTY, |range, (piece, _)| joined(range, piece.range));
+        trees.roots = (trees.parts.len() as u32, items.len() as u32);
+        trees.parts.extend(items.iter().map(|&(_, name)| name));
         trees
     }
 
-    /// The pieces of a square of `size` pixels: those of its quarters, merged where their blur is alike.
-    fn merge(&self, items: &mut [Item], size: f32, trees: &mut Trees) -> Vec<Item> {
+    /// Merges the pieces of a square of `size` pixels whose blur is alike; those that are left come first, and their
+    /// number is returned.
+    fn merge(&self, items: &mut [Item], size: f32, trees: &mut Trees) -> usize {
+        if items.len() < 2 {
+            return items.len();
+        }
         let spread = MERGED_SPREAD * size / self.px.max(f32::MIN_POSITIVE);
         let range = items.iter().fold(EMPTY, |range, (piece, _)| joined(range, piece.range));
         if range[1] - range[0] <= spread {
-            return if items.is_empty() { Vec::new() } else { vec![branch(items, size, trees)] };
+            items[0] = branch(items, size, trees);
+            return 1;
         }
         items.sort_by(|a, b| b.0.inverse_depth.total_cmp(&a.0.inverse_depth));
-        let mut merged = Vec::new();
-        let mut start = 0;
+        let (mut count, mut start) = (0, 0);
         while start < items.len() {
             // Take nearest first what lies within the spread
             let mut range = items[start].0.range;
@@ -268,10 +289,11 @@ impl Grower<'_> {
                 range = wider;
                 end += 1;
             }
-            merged.push(branch(&items[start..end], size, trees));
+            items[count] = branch(&items[start..end], size, trees);
+            count += 1;
             start = end;
         }
-        merged
+        count
     }
 }
 
@@ -316,7 +338,8 @@ const NOTHING: Piece = Piece {
     parts: (0, 0),
 };
 
-/// Place of a pixel of a square where the pixels of each square of 2, 4 and 8 lie together.
-fn z_order(x: i32, y: i32) -> usize {
-    (0..4).map(|bit| (((x >> bit) & 1) << (2 * bit)) | (((y >> bit) & 1) << (2 * bit + 1))).sum::<i32>() as usize
+/// The pixel at a place of the order in which the pixels of each square of 2, 4 and 8 lie together.
+fn from_z_order(z: i32) -> (i32, i32) {
+    let of_bits = |z: i32| (0..4).map(|bit| ((z >> (2 * bit)) & 1) << bit).sum();
+    (of_bits(z), of_bits(z >> 1))
 }

@@ -19,7 +19,7 @@
 //!
 //! **Rung 3** is the same with neighbours merged into squares whose side grows with the blur ([`Forest`]).
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 use optics::{Camera, KernelModel};
 use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
@@ -30,7 +30,6 @@ use crate::{
     lens_map::PixelLens,
     prepare::Prepared,
     row::{BlockTap, Footprint, LANES, Round, Row, Shaped, Slab, gather_row},
-    surface::pixel_q,
     tap::Weight,
     tiles::{TILE, by_tiles},
 };
@@ -45,8 +44,14 @@ const SIDES_PER_RADIUS: f32 = 5.0;
 const STEADY_SHARE: f32 = 0.04;
 const STEADY_PX: f32 = 0.02;
 
-/// Rows of a block.
-const BLOCK_ROWS: usize = 4;
+/// Rows of a block by the spread of the defocus over its tile in pixels: weights are affine in the focus over a block.
+fn block_rows(spread: f32) -> u32 {
+    match spread {
+        s if s <= 0.25 => 8,
+        s if s <= 1.0 => 4,
+        _ => 2,
+    }
+}
 
 /// Settings of [`Method::Gather`](crate::Method::Gather) and [`Method::Merged`](crate::Method::Merged).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +82,6 @@ pub(crate) struct Gather<'a> {
     forest: Forest,
     table: KernelTable,
     merge: bool,
-    level: Level,
 }
 
 /// Picture, and what the predicted error is made of.
@@ -93,6 +97,8 @@ pub(crate) struct GatherRun {
     pub(crate) model: KernelModel,
     /// Largest blur radius in pixels.
     pub(crate) max_radius: f32,
+    /// Largest blur radius that there is, in pixels.
+    pub(crate) largest_radius: f32,
     /// How many layers are used.
     pub(crate) layers: usize,
     /// How far behind a silhouette is looked, in pixels.
@@ -115,15 +121,22 @@ pub(crate) fn gather(
 ) -> Result<Gathered, Cancelled> {
     let px = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
     let prepared = Prepared::new(view, camera, run.layers, run.fill_reach);
-    let forest = Forest::new(prepared, px, if run.merge { 4 } else { 1 });
+    // Squares that nothing is blurred enough for are not needed
+    let merged = (run.max_radius.min(run.largest_radius) / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
+    let forest = Forest::new(prepared, px, if run.merge { merged.min(4) } else { 0 });
     let table = KernelTable::new(camera.iris.shape());
     let GatherRun { model, max_radius, merge, level, .. } = *run;
-    let job = Gather { view, camera, model, max_radius, px, forest, table, merge, level };
+    let job = Gather { view, camera, model, max_radius, px, forest, table, merge };
     let round = model == KernelModel::Disc && camera.iris.shape() == optics::ApertureShape::Disc;
 
     let channels = if run.doubt { 6 } else { 4 };
     let planes = by_tiles(window, channels, progress, |tile, out| {
-        if round { job.tile(&Round, tile, out) } else { job.tile(&Shaped(job.table.outline()), tile, out) }
+        dispatch!(level, simd => match (round, run.doubt) {
+            (true, false) => job.tile::<_, _, false>(simd, &Round, tile, out),
+            (true, true) => job.tile::<_, _, true>(simd, &Round, tile, out),
+            (false, false) => job.tile::<_, _, false>(simd, &Shaped(job.table.outline()), tile, out),
+            (false, true) => job.tile::<_, _, true>(simd, &Shaped(job.table.outline()), tile, out),
+        });
     })?;
     let mut planes = planes.into_iter();
     let picture = [(); 4].map(|()| planes.next().expect("four planes"));
@@ -206,27 +219,41 @@ impl Gather<'_> {
     }
 
     /// One tile of the picture: `out` holds its channels, each row by row.
-    fn tile(&self, footprint: &impl Footprint, tile: PixelWindow, out: &mut [Vec<f32>]) {
+    #[inline(always)]
+    fn tile<S: Simd, F: Footprint, const DOUBT: bool>(
+        &self,
+        simd: S,
+        footprint: &F,
+        tile: PixelWindow,
+        out: &mut [Vec<f32>],
+    ) {
         // Tiles and blocks are anchored at pixel (0, 0), so that bands of a picture have the same ones
         let anchored = PixelWindow { width: TILE, height: TILE, ..anchor(tile) };
         let lens = self.tile_lens(anchored);
-        SCRATCH.with_borrow_mut(|scratch| {
-            self.collect(anchored, &lens, scratch);
-            if scratch.taps.iter().all(|tap| tap.piece.rgba == [0.0; 4]) {
-                return;
-            }
-            for y in (anchored.y..anchored.y_end()).step_by(BLOCK_ROWS) {
-                for x in (anchored.x..anchored.x_end()).step_by(LANES) {
-                    let block = PixelWindow { x, y, width: LANES as u32, height: BLOCK_ROWS as u32 };
-                    if !block.intersection(&tile).is_empty() {
-                        self.block(footprint, &lens, block, tile, scratch, out);
+        let mut scratch = SCRATCH.take();
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let scratch = &mut scratch;
+                self.collect(anchored, &lens, scratch);
+                if scratch.taps.iter().all(|tap| tap.piece.rgba == [0.0; 4]) {
+                    return;
+                }
+                for y in (anchored.y..anchored.y_end()).step_by(block_rows(lens.spread) as usize) {
+                    for x in (anchored.x..anchored.x_end()).step_by(LANES) {
+                        let block = PixelWindow { x, y, width: LANES as u32, height: block_rows(lens.spread) };
+                        if !block.intersection(&tile).is_empty() {
+                            self.block::<S, F, DOUBT>(simd, footprint, &lens, block, tile, scratch, out);
+                        }
                     }
                 }
-            }
-        });
+            },
+        );
+        SCRATCH.set(scratch);
     }
 
     /// Collects what may touch a tile, nearest slab first.
+    #[inline(always)]
     fn collect(&self, tile: PixelWindow, lens: &TileLens, scratch: &mut Scratch) {
         let Scratch { taps, order, counts, xs, ys, reaches, .. } = scratch;
         taps.clear();
@@ -283,25 +310,29 @@ impl Gather<'_> {
     }
 
     /// One block of a tile.
-    fn block(
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "all of them change from call to call")]
+    fn block<S: Simd, F: Footprint, const DOUBT: bool>(
         &self,
-        footprint: &impl Footprint,
+        simd: S,
+        footprint: &F,
         tile_lens: &TileLens,
         block: PixelWindow,
         tile: PixelWindow,
         scratch: &mut Scratch,
         out: &mut [Vec<f32>],
     ) {
-        let center = [block.x as f32 + 3.5, block.y as f32 + 1.5];
-        let lens = self.lens_at(f64::from(block.x) + 3.5, f64::from(block.y) + 1.5);
-        self.find(tile_lens, &lens, center, scratch);
+        let half = 0.5 * (block.height as f32 - 1.0);
+        let center = [block.x as f32 + 3.5, block.y as f32 + half];
+        let lens = self.lens_at(f64::from(block.x) + 3.5, f64::from(block.y) + f64::from(half));
+        self.find(simd, tile_lens, &lens, center, half, scratch);
 
         // What the defocus is more at each pixel than at the centre
         let defocus = |x: f64, y: f64| lens.scale * (lens.focus - self.lens_at(x, y).focus);
         let (x, y) = (f64::from(block.x), f64::from(block.y));
         let corner = defocus(x, y);
         let (across, down) = (defocus(x + 1.0, y) - corner, defocus(x, y + 1.0) - corner);
-        for row in 0..BLOCK_ROWS as i32 {
+        for row in 0..block.height as i32 {
             if block.y + row < tile.y || block.y + row >= tile.y_end() {
                 continue;
             }
@@ -309,24 +340,32 @@ impl Gather<'_> {
             for (i, by) in by.iter_mut().enumerate() {
                 *by = corner + across * i as f32 + down * row as f32;
             }
-            let y = row as f32 - 1.5;
+            let y = row as f32 - half;
             let (taps, slabs) = (&scratch.block, &scratch.slabs);
-            let gathered = dispatch!(self.level, simd => gather_row(simd, footprint, &lens, taps, slabs, y, &by));
+            let gathered = gather_row::<S, F, DOUBT>(simd, footprint, &lens, taps, slabs, y, &by);
             self.put(&gathered, block, row, tile, out);
         }
     }
 
     /// Finds the taps that may touch a block.
-    fn find(&self, tile_lens: &TileLens, lens: &PixelLens, center: [f32; 2], scratch: &mut Scratch) {
+    #[inline(always)]
+    fn find<S: Simd>(
+        &self,
+        simd: S,
+        tile_lens: &TileLens,
+        lens: &PixelLens,
+        center: [f32; 2],
+        half: f32,
+        scratch: &mut Scratch,
+    ) {
         let Scratch { taps, order, xs, ys, reaches, block, slabs, .. } = scratch;
         block.clear();
         slabs.clear();
         let by = tile_lens.center.scale * (tile_lens.center.focus - lens.focus);
         let mut last_bin = i32::MAX;
         for chunk in (0..order.len()).step_by(LANES) {
-            let of =
-                |values: &[f32]| -> [f32; LANES] { values[chunk..chunk + LANES].try_into().expect("a whole vector") };
-            let mut hits = touching(of(xs), of(ys), of(reaches), center);
+            let part = chunk..chunk + LANES;
+            let mut hits = touching(simd, &xs[part.clone()], &ys[part.clone()], &reaches[part], center, half);
             while hits != 0 {
                 let i = chunk + hits.trailing_zeros() as usize;
                 hits &= hits - 1;
@@ -389,25 +428,18 @@ impl Gather<'_> {
 
 /// Which of eight taps may touch the block around `center`, a bit for each.
 #[inline(always)]
-fn touching(xs: [f32; LANES], ys: [f32; LANES], reaches: [f32; LANES], center: [f32; 2]) -> u32 {
-    let mut hits = 0;
-    for i in 0..LANES {
-        let dx = ((xs[i] - center[0]).abs() - 3.5).max(0.0);
-        let dy = ((ys[i] - center[1]).abs() - 1.5).max(0.0);
-        let touches = dx * dx + dy * dy <= reaches[i] * reaches[i] && reaches[i] > 0.0;
-        hits |= u32::from(touches) << i;
+fn touching<S: Simd>(simd: S, xs: &[f32], ys: &[f32], reaches: &[f32], center: [f32; 2], half: f32) -> u64 {
+    #[inline(always)]
+    fn gap<S: Simd>(simd: S, values: &[f32], center: f32, half: f32) -> f32x8<S> {
+        ((f32x8::from_slice(simd, values) - center).abs() - half).max(0.0)
     }
-    hits
+    let (dx, dy, reach) =
+        (gap(simd, xs, center[0], 3.5), gap(simd, ys, center[1], half), f32x8::from_slice(simd, reaches));
+    (dx * dx + dy * dy).simd_le(reach * reach.abs()).to_bitmask()
 }
 
 /// The corner of the tile, on the grid that starts at (0, 0), in which a window lies.
 fn anchor(window: PixelWindow) -> PixelWindow {
     let side = TILE as i32;
     PixelWindow { x: window.x.div_euclid(side) * side, y: window.y.div_euclid(side) * side, ..window }
-}
-
-/// Chief-ray direction of a pixel's centre, for tests.
-#[allow(dead_code)]
-pub(crate) fn q_of(view: &FrameView, camera: &Camera, x: i32, y: i32) -> glam::DVec2 {
-    pixel_q(view, camera, x, y)
 }

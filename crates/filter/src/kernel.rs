@@ -17,8 +17,8 @@ use rayon::prelude::*;
 
 /// Entries per pixel of radius.
 const STEPS: f32 = 32.0;
-/// Radius in pixels beyond which the closed form serves; the lattice sum differs from it by less than 0.1 % there.
-const LAST_RADIUS: usize = 16;
+/// Radius in pixels beyond which the closed form serves; the lattice sum differs from it by less than 0.3 % there.
+const LAST_RADIUS: usize = 8;
 
 /// The kernel of one footprint: the weight of a pixel is `min(max(a - b m, 0), weight)`.
 #[derive(Debug, Clone, Copy, PartialEq)]

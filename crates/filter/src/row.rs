@@ -167,7 +167,7 @@ impl<S: Simd> Hidden<S> {
 ///
 /// `defocus` is what the defocus of everything is more at each pixel than at the block's centre, in pixels.
 #[inline(always)]
-pub(crate) fn gather_row<S: Simd, F: Footprint>(
+pub(crate) fn gather_row<S: Simd, F: Footprint, const DOUBT: bool>(
     simd: S,
     footprint: &F,
     lens: &PixelLens,
@@ -196,10 +196,14 @@ pub(crate) fn gather_row<S: Simd, F: Footprint>(
         }
         let sums = if seen[0].simd_gt(1e-4).any_true() {
             let hidden = Hidden::new(simd, seen);
-            add_up::<S, F, true>(simd, footprint, lens, part, (x, y), defocus, &hidden)
+            add_up::<S, F, DOUBT, true, true>(simd, footprint, lens, part, (x, y), defocus, &hidden)
         } else {
             let hidden = Hidden { direction: [zero; 2], edge: zero, strength: zero };
-            add_up::<S, F, false>(simd, footprint, lens, part, (x, y), defocus, &hidden)
+            if start == taps.len() && slabs.len() == 1 {
+                add_up::<S, F, DOUBT, false, false>(simd, footprint, lens, part, (x, y), defocus, &hidden)
+            } else {
+                add_up::<S, F, DOUBT, true, false>(simd, footprint, lens, part, (x, y), defocus, &hidden)
+            }
         };
 
         // Let it in as far as the iris is open
@@ -231,9 +235,9 @@ pub(crate) fn gather_row<S: Simd, F: Footprint>(
     row
 }
 
-/// Adds up a slab.
+/// Adds up a slab: doubt if it is wanted, lens points if another slab comes, with regard to what is `hidden` or not.
 #[inline(always)]
-fn add_up<S: Simd, F: Footprint, const HIDDEN: bool>(
+fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool, const HIDDEN: bool>(
     simd: S,
     footprint: &F,
     lens: &PixelLens,
@@ -271,9 +275,13 @@ fn add_up<S: Simd, F: Footprint, const HIDDEN: bool>(
         for (sum, c) in sums.rgba.iter_mut().zip(tap.rgba) {
             *sum = share.mul_add(f32x8::splat(simd, c), *sum);
         }
-        sums.doubt = share.mul_add(f32x8::splat(simd, tap.doubt), sums.doubt);
-        let point = share * to_lens * weight.trust;
-        sums.lens = [point.mul_add(dx, sums.lens[0]), point.mul_add(dy, sums.lens[1])];
+        if DOUBT {
+            sums.doubt = share.mul_add(f32x8::splat(simd, tap.doubt), sums.doubt);
+        }
+        if LENS {
+            let point = share * to_lens * weight.trust;
+            sums.lens = [point.mul_add(dx, sums.lens[0]), point.mul_add(dy, sums.lens[1])];
+        }
     }
     sums
 }
