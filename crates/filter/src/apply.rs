@@ -6,9 +6,11 @@ use optics::{Camera, DepthRange, KernelChoice, KernelModel, Reading};
 use rgbd::{Picture, PixelWindow, Plane, Progress};
 
 use crate::{
-    FilterError, FrameView, GatherSettings, KernelRule,
+    FilterError, FrameView, GatherSettings, KernelRule, LensRaysSettings,
     gather::{GatherRun, Gathered, gather},
     lens_map::PixelLens,
+    lens_points::MAX_SAMPLES,
+    lens_rays::{RayRun, lens_rays},
     own_coc::own_coc,
     predicted::predicted_error,
     surface::{HOLE_REACH, pixel_q},
@@ -25,6 +27,8 @@ pub enum Method {
     Gather(GatherSettings),
     /// The same, with neighbours merged where the blur is large.
     Merged(GatherSettings),
+    /// Rays through points of the iris are marched through the surfaces.
+    LensRays(LensRaysSettings),
 }
 
 impl Default for Method {
@@ -43,13 +47,21 @@ impl Method {
             Self::OwnCoc(_) => "own-coc",
             Self::Gather(_) => "gather",
             Self::Merged(_) => "merged",
+            Self::LensRays(_) => "lens-rays",
         }
     }
 
-    fn settings(&self) -> Option<&GatherSettings> {
-        match self {
+    /// What all blurring methods share: kernel, largest blur and layers. Rays know no kernel but the exact one.
+    fn settings(&self) -> Option<GatherSettings> {
+        match *self {
             Self::Pinhole => None,
             Self::OwnCoc(settings) | Self::Gather(settings) | Self::Merged(settings) => Some(settings),
+            Self::LensRays(LensRaysSettings { max_radius_px, layers, .. }) => Some(GatherSettings {
+                kernel: KernelRule::Forced(KernelModel::Exact),
+                max_radius_px,
+                layers,
+                ..GatherSettings::default()
+            }),
         }
     }
 }
@@ -117,22 +129,28 @@ pub fn apply(
     let Some(settings) = method.settings() else { return Ok(unfiltered(view, window)) };
 
     // Find out how large the blur gets, and how simple its shape may be
-    let depths = depth_range(view, settings);
+    let depths = depth_range(view, &settings);
     let (model, kernel_choice) = kernel(depths, camera, settings.kernel);
     let largest_radius_px = largest_radius_px(depths, view, camera, window);
-    let limit = max_radius_px(view, settings);
+    let limit = max_radius_px(view, &settings);
 
+    let layers = view.frame().layers().len().min(settings.layers.max(1));
+    let fill_reach = FILL_REACH * limit;
     let (picture, predicted_error) = match method {
         Method::OwnCoc(_) => (own_coc(view, camera, model, limit, window, progress)?, None),
+        Method::LensRays(LensRaysSettings { samples, .. }) => {
+            let run = RayRun { samples: *samples, max_radius: limit, layers, fill_reach };
+            (lens_rays(view, camera, &run, window, progress)?, None)
+        }
         _ => {
             let run = GatherRun {
                 model,
                 max_radius: limit,
                 // Bands of a picture must grow the same trees as the whole
                 largest_radius: self::largest_radius_px(depths, view, camera, view.frame().data()),
-                layers: view.frame().layers().len().min(settings.layers.max(1)),
+                layers,
                 sides: settings.sides,
-                fill_reach: FILL_REACH * limit,
+                fill_reach,
                 merge: matches!(method, Method::Merged(_)),
                 level: Level::new(),
                 doubt: settings.predict_error,
@@ -155,8 +173,8 @@ const FILL_REACH: f32 = 2.0;
 pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
     let Some(settings) = method.settings() else { return 0 };
     let frame = view.frame();
-    let largest = largest_radius_px(depth_range(view, settings), view, camera, frame.display);
-    let largest = largest.min(max_radius_px(view, settings));
+    let largest = largest_radius_px(depth_range(view, &settings), view, camera, frame.display);
+    let largest = largest.min(max_radius_px(view, &settings));
     // An ellipse is wider than the disc by most at a corner of the window; then ramp, slope and rounding
     let disc = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
     let corners = camera.film.corners().map(|q| PixelLens::new(camera, KernelModel::Exact, q));
@@ -189,16 +207,22 @@ fn check(view: &FrameView, camera: &Camera, method: &Method, window: PixelWindow
         return Err(FilterError::NoData { wanted: window, data: view.window() });
     }
     if let Some(GatherSettings { max_radius_px: Some(limit), .. }) = method.settings()
-        && !(*limit >= 0.0 && limit.is_finite())
+        && !(limit >= 0.0 && limit.is_finite())
     {
         let what = "largest blur radius in pixels";
-        return Err(FilterError::BadSetting { what, value: f64::from(*limit), wanted: "0 or positive" });
+        return Err(FilterError::BadSetting { what, value: f64::from(limit), wanted: "0 or positive" });
     }
     if let Some(GatherSettings { kernel: KernelRule::Auto { tolerance_px }, .. }) = method.settings()
-        && (tolerance_px.is_nan() || *tolerance_px <= 0.0)
+        && (tolerance_px.is_nan() || tolerance_px <= 0.0)
     {
         let what = "tolerance of the kernel in pixels";
-        return Err(FilterError::BadSetting { what, value: *tolerance_px, wanted: "positive" });
+        return Err(FilterError::BadSetting { what, value: tolerance_px, wanted: "positive" });
+    }
+    if let Method::LensRays(LensRaysSettings { samples, .. }) = method
+        && !(1..=MAX_SAMPLES).contains(samples)
+    {
+        let what = "number of rays for each pixel";
+        return Err(FilterError::BadSetting { what, value: f64::from(*samples), wanted: "1 to 65536" });
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use ::filter::{FrameView, GatherSettings, KernelRule, Method, Sides, apply, coc_radius_px};
+use ::filter::{FrameView, GatherSettings, KernelRule, LensRaysSettings, Method, Sides, apply, coc_radius_px};
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use optics::{Camera, Film, KernelModel, Pose, ThinLens};
@@ -77,6 +77,9 @@ pub(crate) struct MethodOptions {
     /// How many of the file's layers to use; all without.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     layers: Option<u16>,
+    /// How many rays a pixel gets (with --method lens-rays).
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    rays: u32,
     /// Blur this many times as much as the lens would, by a wider or narrower iris.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     blur_scale: f64,
@@ -107,6 +110,8 @@ enum MethodName {
     /// The same with neighbours merged where the blur is large: as good, and fast.
     #[default]
     Merged,
+    /// Rays through points of the iris, marched through the surfaces: the exact footprint, slow.
+    LensRays,
 }
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
@@ -142,6 +147,9 @@ impl MethodOptions {
             MethodName::OwnCoc => Method::OwnCoc(settings),
             MethodName::Gather => Method::Gather(settings),
             MethodName::Merged => Method::Merged(settings),
+            MethodName::LensRays => {
+                Method::LensRays(LensRaysSettings { samples: self.rays, max_radius_px: self.max_radius, layers })
+            }
         }
     }
 }

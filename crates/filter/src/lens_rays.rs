@@ -1,0 +1,247 @@
+//! Rung 5: lens rays marched through the layered depth images (Lee, Eisemann and Seidel 2010, "Real-Time Lens Blur Effects
+//! and Focus Control"), after silhouettes are taken apart and the hidden background is filled in.
+//!
+//! Each pixel sends rays through points of its iris. A ray passes over the pixels of a line, from near to far, and ends on
+//! the first surface that it meets: where its inverse depth crosses that of a layer, pixel by pixel a small plane.
+//! Neighbouring pixels are one surface where their planes meet at the border; between surfaces there is a gap, through
+//! which a ray passes behind what is nearer. So every pixel of a near, blurred thing hides exactly what it hides from each
+//! lens point, and nothing is counted twice: occlusion is right where a gather can only weigh.
+//!
+//! A ray that ends behind everything that the surfaces know takes part in nothing: the pixel is the mean of the rays that
+//! found something.
+
+use glam::{DVec2, Vec2};
+use optics::{Camera, KernelModel};
+use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
+
+use crate::{
+    FrameView,
+    depth_pyramid::{DepthPyramid, Range},
+    fetch_radius::FetchRadius,
+    lens_map::PixelLens,
+    lens_points::LensPoints,
+    lens_ray::{Hit, LensRay, floor, pixel_ranges},
+    patch::Patches,
+    prepare::Prepared,
+    surface::{Surface, pixel_q},
+    tiles::by_tiles,
+};
+
+/// A step in depth that changes the blur by less than this many pixels of radius is no edge.
+const SEAMLESS_PX: f32 = 0.25;
+
+/// Settings of [`Method::LensRays`](crate::Method::LensRays).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LensRaysSettings {
+    /// Rays for each pixel, 1 to 65,536.
+    pub samples: u32,
+    /// Largest radius of the circle of confusion in pixels; larger ones are cut to it. `None`: a quarter of the display
+    /// window's width.
+    pub max_radius_px: Option<f32>,
+    /// How many of the frame's layers to use; 1 ignores hidden ones.
+    pub layers: usize,
+}
+
+impl Default for LensRaysSettings {
+    /// 64 rays, all layers.
+    fn default() -> Self {
+        Self { samples: 64, max_radius_px: None, layers: usize::MAX }
+    }
+}
+
+/// Everything that is the same for all tiles.
+struct Job<'a> {
+    view: &'a FrameView<'a>,
+    camera: &'a Camera,
+    max_radius: f32,
+    surfaces: Vec<Surface>,
+    patches: Patches,
+    pyramid: DepthPyramid,
+    points: LensPoints,
+    fetch: FetchRadius,
+}
+
+/// How rays are run.
+#[derive(Clone, Copy)]
+pub(crate) struct RayRun {
+    pub(crate) samples: u32,
+    /// Largest blur radius in pixels.
+    pub(crate) max_radius: f32,
+    /// How many layers are used.
+    pub(crate) layers: usize,
+    /// How far behind a silhouette is looked, in pixels.
+    pub(crate) fill_reach: f32,
+}
+
+/// Sends the rays of `window`.
+pub(crate) fn lens_rays(
+    view: &FrameView,
+    camera: &Camera,
+    run: &RayRun,
+    window: PixelWindow,
+    progress: &dyn Progress,
+) -> Result<Picture, Cancelled> {
+    let surfaces = Prepared::new(view, camera, run.layers, run.fill_reach, crate::Sides::Both).into_surfaces();
+    let blur = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
+    let patches = Patches::new(&surfaces, (SEAMLESS_PX / blur).min(1e6));
+    let pyramid = DepthPyramid::new(patches.window, pixel_ranges(&patches));
+    let shape = camera.iris.shape();
+    let points = LensPoints::new(shape, run.samples);
+    let fetch = FetchRadius::new(&LensPoints::new(shape, 1024), shape.variance());
+    let job = Job { view, camera, max_radius: run.max_radius, surfaces, patches, pyramid, points, fetch };
+    let planes = by_tiles(window, 4, progress, |tile, out| job.tile(tile, out))?;
+    let planes = <[Plane; 4]>::try_from(planes).expect("four planes");
+    Ok(Picture::from_planes(planes).expect("planes of one window"))
+}
+
+/// What a ray, or all rays of a pixel, have found: colour, and how much of them has ended.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    rgba: [f32; 4],
+    ended: f32,
+}
+
+impl Found {
+    #[inline(always)]
+    fn add(&mut self, weight: f32, other: &Self) {
+        self.ended += weight * other.ended;
+        for (sum, c) in self.rgba.iter_mut().zip(other.rgba) {
+            *sum += weight * c;
+        }
+    }
+}
+
+impl Job<'_> {
+    /// One tile of the picture: `out` holds its channels, each row by row.
+    fn tile(&self, tile: PixelWindow, out: &mut [Vec<f32>]) {
+        let lens = |x, y| PixelLens::new(self.camera, KernelModel::Exact, pixel_q(self.view, self.camera, x, y));
+        let lenses: Vec<PixelLens> = tile.pixels().map(|(x, y)| lens(x, y)).collect();
+        let range = self.range(tile, &lenses);
+        for (i, ((x, y), lens)) in tile.pixels().zip(&lenses).enumerate() {
+            let rgba = self.pixel(x, y, lens, range);
+            (0..4).for_each(|c| out[c][i] = rgba[c]);
+        }
+    }
+
+    /// The inverse depths that the rays of a tile may meet.
+    fn range(&self, tile: PixelWindow, lenses: &[PixelLens]) -> Range {
+        let mut range = self.pyramid.over(self.patches.window);
+        // What is out of reach for every depth that is left does not count
+        for _ in 0..4 {
+            if range.is_empty() {
+                break;
+            }
+            let reach = |lens: &PixelLens| {
+                let defocus = (range.high - lens.focus).abs().max((range.low - lens.focus).abs());
+                (lens.widest * defocus).min(self.max_radius * lens.stretch())
+            };
+            let reach = lenses.iter().map(reach).fold(0.0, f32::max) as u32 + 2;
+            range = self.pyramid.over(tile.grown(reach, reach));
+        }
+        range
+    }
+
+    /// The mean over the rays of one pixel.
+    fn pixel(&self, x: i32, y: i32, lens: &PixelLens, range: Range) -> [f32; 4] {
+        if range.is_empty() {
+            return [0.0; 4];
+        }
+        // Span the pixel's footprint per unit of defocus, as equation 5 does
+        let q = pixel_q(self.view, self.camera, x, y);
+        let (iris, px) = (&self.camera.iris, self.camera.film.pixels_per_q());
+        let focus = self.camera.focus.inverse_depth(q);
+        let to_px = DVec2::new(px.x, -px.y) * iris.radius();
+        let axis = |e: glam::DVec3| (to_px * (e.truncate() - e.z * q)).as_vec2();
+        let (axis1, axis2) = (axis(iris.e1()), axis(iris.e2()));
+        let skew = (DVec2::new(iris.e1().z, iris.e2().z) * (focus * iris.radius())).as_vec2();
+        let limit = if lens.scale > 0.0 { self.max_radius / lens.scale } else { f32::INFINITY };
+
+        let window = self.patches.window;
+        let display = self.view.frame().display;
+        let mut found = Found::default();
+        for u in self.points.of_pixel(x - display.x, y - display.y) {
+            let pace = (axis1 * u.x + axis2 * u.y) / (1.0 - skew.dot(*u)).max(0.5);
+            let (column, row) = (x - window.x, y - window.y);
+            let ray = LensRay { column, row, focus: lens.focus, pace, limit };
+            found.add(1.0, &self.trace(&ray, lens, range));
+        }
+        if found.ended > 0.0 { found.rgba.map(|c| c / found.ended) } else { self.unfiltered(x, y) }
+    }
+
+    /// What one ray finds.
+    fn trace(&self, ray: &LensRay, lens: &PixelLens, range: Range) -> Found {
+        let mut found = Found::default();
+        ray.march(&self.patches, &self.pyramid, range, |hit| {
+            let fetched = self.fetch(&hit, ray, lens);
+            found.add(1.0 - found.ended, &fetched);
+            found.ended < OPAQUE
+        });
+        found
+    }
+
+    /// The surface around a hit, interpolated between pixel centres.
+    #[inline(always)]
+    fn fetch(&self, hit: &Hit, ray: &LensRay, lens: &PixelLens) -> Found {
+        // Draw the fetch in, so that interpolation and lens together blur as much as the lens should
+        let radius = ((hit.s - ray.focus).abs() * lens.scale).min(self.max_radius);
+        let at = hit.offset * self.fetch.scale(radius) - (hit.offset - hit.within);
+        let (left, top) = (floor(at.x), floor(at.y));
+        let part = at - Vec2::new(left as f32, top as f32);
+        let weights =
+            [(1.0 - part.x) * (1.0 - part.y), part.x * (1.0 - part.y), (1.0 - part.x) * part.y, part.x * part.y];
+
+        // Inside a surface its pixels are mixed as they are
+        let width = self.patches.window.width as i32;
+        let is_near = |low: i32| (-1..=0).contains(&low);
+        let mut found = Found::default();
+        if is_near(left) && is_near(top) && self.patches.is_seamless(hit.layer, hit.index) {
+            let first = (hit.index as i32 + top * width + left) as usize;
+            for (i, weight) in [0, 1, width as usize, width as usize + 1].into_iter().zip(weights) {
+                found.add(weight, &self.own(hit.layer, first + i));
+            }
+            return found;
+        }
+        for ((dx, dy), weight) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().zip(weights) {
+            if weight > 0.0 {
+                found.add(weight, &self.neighbour(hit, left + dx, top + dy));
+            }
+        }
+        found
+    }
+
+    /// The pixel at (dx, dy) from a hit on the same surface, in this layer or another; where there is none, the pixel that
+    /// was hit.
+    fn neighbour(&self, hit: &Hit, dx: i32, dy: i32) -> Found {
+        let window = self.patches.window;
+        let (column, row) = (hit.index as i32 % window.width as i32 + dx, hit.index as i32 / window.width as i32 + dy);
+        let (x, y) = (window.x + column, window.y + row);
+        if (dx, dy) == (0, 0) || !window.contains(x, y) {
+            return self.own(hit.layer, hit.index);
+        }
+        let index = window.index(x, y);
+        match self.patches.next_layer(hit.layer, hit.index, dx, dy, index) {
+            Some(layer) => self.own(layer, index),
+            None => self.own(hit.layer, hit.index),
+        }
+    }
+
+    /// A pixel of a surface as it is.
+    #[inline(always)]
+    fn own(&self, layer: usize, index: usize) -> Found {
+        let surface = &self.surfaces[layer];
+        Found { rgba: surface.rgba[index], ended: surface.cover[index] }
+    }
+
+    /// The first surface's colour, nothing outside the data.
+    fn unfiltered(&self, x: i32, y: i32) -> [f32; 4] {
+        let surface = &self.surfaces[0];
+        if !surface.window.contains(x, y) {
+            return [0.0; 4];
+        }
+        let i = surface.window.index(x, y);
+        surface.rgba[i].map(|c| c / surface.cover[i])
+    }
+}
+
+/// A ray that has ended this far is followed no more.
+const OPAQUE: f32 = 0.9999;
