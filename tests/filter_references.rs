@@ -3,6 +3,7 @@
 
 mod support {
     pub(crate) mod cases;
+    #[allow(dead_code, reason = "other tests use the rest")]
     pub(crate) mod score;
     pub(crate) mod shared;
     pub(crate) mod table;
