@@ -13,8 +13,17 @@ use crate::{
     lens_rays::{RayRun, lens_rays},
     own_coc::own_coc,
     predicted::predicted_error,
-    surface::{HOLE_REACH, pixel_q},
+    surface::{HOLE_REACH, NEAREST, pixel_q},
+    unmix::UNMIX_REACH,
 };
+
+/// What a gather reads beyond the blur, in pixels: the eight pixels of a vector share what is hidden, and squares of 16
+/// pixels are read whole, with a margin of three quarters of their side.
+const GATHER_REACH: u32 = 7 + 16 + 12;
+
+/// What is read around a pixel to take it apart: pure pixels, what lies beside them, slopes, smoothed hidden colour,
+/// rounding.
+const PREPARE_REACH: u32 = UNMIX_REACH as u32 + 1 + 1 + 1 + 2;
 
 /// A rung of the ladder of methods.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,7 +144,7 @@ pub fn apply(
     let limit = max_radius_px(view, &settings);
 
     let layers = view.frame().layers().len().min(settings.layers.max(1));
-    let fill_reach = FILL_REACH * limit;
+    let fill_reach = fill_reach(inverse_range(depths, view, camera), camera, limit);
     let (picture, predicted_error) = match method {
         Method::OwnCoc(_) => (own_coc(view, camera, model, limit, window, progress)?, None),
         Method::LensRays(LensRaysSettings { samples, .. }) => {
@@ -164,24 +173,38 @@ pub fn apply(
     Ok(Filtered { picture, kernel: model, kernel_choice, largest_radius_px, cut_to_px, predicted_error })
 }
 
-/// How far behind a silhouette the background is filled in, over the largest blur radius: as far as a lens can look behind
-/// an edge that is blurred by as much as the background, on the other side of the plane of focus.
-const FILL_REACH: f32 = 2.0;
-
 /// How many pixels around a window a method may look at on this frame; finite for each method.
+///
+/// That is at least the largest blur; where silhouettes are taken apart and hidden background is filled in, five times the
+/// blur's difference over the frame's depths and up to 90 pixels more (squares, lanes, holes).
 #[must_use]
 pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
     let Some(settings) = method.settings() else { return 0 };
     let frame = view.frame();
-    let largest = largest_radius_px(depth_range(view, &settings), view, camera, frame.display);
-    let largest = largest.min(max_radius_px(view, &settings));
+    let inverse = inverse_range(depth_range(view, &settings), view, camera);
+    let limit = max_radius_px(view, &settings);
+    let largest = largest_of(inverse, view, camera, frame.data()).min(limit);
     // An ellipse is wider than the disc by most at a corner of the window; then ramp, slope and rounding
     let disc = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
     let corners = camera.film.corners().map(|q| PixelLens::new(camera, KernelModel::Exact, q));
     let wider = corners.iter().map(|lens| lens.stretch().max(lens.widest / disc.max(f32::MIN_POSITIVE)));
     let wider = 1.1 * wider.fold(1.0, f32::max);
-    let holes = frame.layers().iter().any(|layer| layer.known.count() < layer.window().area());
-    (largest * wider).ceil() as u32 + 4 + if holes { HOLE_REACH as u32 } else { 0 }
+    let blur = (largest * wider).ceil() as u32 + 4 + if has_holes(view) { HOLE_REACH as u32 } else { 0 };
+    match method {
+        Method::Pinhole | Method::OwnCoc(_) => blur,
+        // A colour is taken from the mirrored place beyond a silhouette, which is half as far again from there
+        Method::Gather(_) | Method::Merged(_) | Method::LensRays(_) => {
+            let filled = fill_reach(inverse, camera, limit);
+            blur + GATHER_REACH + PREPARE_REACH + (2.5 * filled).ceil() as u32
+        }
+    }
+}
+
+/// How far behind a silhouette the background is filled in at most, in pixels.
+fn fill_reach(inverse: [f64; 2], camera: &Camera, limit: f32) -> f32 {
+    // An edge and a background that are blurred by the limit each, on both sides of the plane of focus
+    let px = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
+    (2.0 * limit).min(px * inverse[1] as f32 + 1.0)
 }
 
 /// Signed radius of the circle of confusion in pixels of each pixel of the view, from the first layer's depth: positive on
@@ -266,9 +289,40 @@ fn depth_range(view: &FrameView, settings: &GatherSettings) -> Option<DepthRange
     DepthRange::new(f64::from(near), f64::from(far)).ok()
 }
 
+/// Farthest and nearest inverse depth of all that a frame may be taken for: guessed surfaces go as far as the sky, holes
+/// beside no depth lie in the plane of focus.
+fn inverse_range(depths: Option<DepthRange>, view: &FrameView, camera: &Camera) -> [f64; 2] {
+    let near = depths.map_or(0.0, |depths| depths.inverse()[1].min(f64::from(NEAREST)));
+    let [mut far, mut near] = [0.0, near];
+    if has_holes(view) {
+        for corner in corners(view, camera, view.frame().data()) {
+            let focus = camera.focus.inverse_depth(corner);
+            (far, near) = (focus.min(far), focus.max(near));
+        }
+    }
+    [far, near]
+}
+
+/// Whether some pixel of the frame has no known depth.
+fn has_holes(view: &FrameView) -> bool {
+    view.frame().layers().iter().any(|layer| layer.known.count() < layer.window().area())
+}
+
 /// Largest radius over a window, from the frame's range of depth.
 fn largest_radius_px(depths: Option<DepthRange>, view: &FrameView, camera: &Camera, window: PixelWindow) -> f32 {
-    let inverse = depths.map_or([0.0, 0.0], |depths| depths.inverse());
+    largest_of(depths.map_or([0.0, 0.0], |depths| depths.inverse()), view, camera, window)
+}
+
+/// Largest radius over a window of what lies between two inverse depths.
+fn largest_of(inverse: [f64; 2], view: &FrameView, camera: &Camera, window: PixelWindow) -> f32 {
+    let radii = corners(view, camera, window)
+        .into_iter()
+        .flat_map(|corner| inverse.map(|s| camera.coc_radius_px(corner, s).abs()));
+    radii.fold(0.0, f64::max) as f32
+}
+
+/// Chief-ray directions of a window's corners.
+fn corners(view: &FrameView, camera: &Camera, window: PixelWindow) -> [DVec2; 4] {
     let corners = [
         (window.x, window.y),
         (window.x_end(), window.y),
@@ -276,12 +330,10 @@ fn largest_radius_px(depths: Option<DepthRange>, view: &FrameView, camera: &Came
         (window.x_end(), window.y_end()),
     ];
     let display = view.frame().display;
-    let q = |(x, y): (i32, i32)| {
+    corners.map(|(x, y)| {
         let from_display = DVec2::new(f64::from(x) - f64::from(display.x), f64::from(y) - f64::from(display.y));
         camera.film.q_from_pixel(from_display)
-    };
-    let radii = corners.into_iter().flat_map(|corner| inverse.map(|s| camera.coc_radius_px(q(corner), s).abs()));
-    radii.fold(0.0, f64::max) as f32
+    })
 }
 
 fn max_radius_px(view: &FrameView, settings: &GatherSettings) -> f32 {

@@ -54,7 +54,8 @@ pub(crate) fn fill(first: &Surface, splits: &[Split], hidden: &mut [Surface], li
     }
 
     let mut offers: Vec<(usize, f32, u32)> = Vec::new();
-    while !ring.is_empty() {
+    // No ring lies farther than the reach along any way, so that what a pixel takes depends on no more than that
+    for _ in 0..limits.reach.ceil() as u32 {
         // Offer the silhouette that a filled pixel continues to the pixels around it
         offers.clear();
         for &(index, k) in &ring {
@@ -80,6 +81,10 @@ pub(crate) fn fill(first: &Surface, splits: &[Split], hidden: &mut [Surface], li
                     offers.push((i, distance, k));
                 }
             }
+        }
+
+        if offers.is_empty() {
+            break;
         }
 
         // Each takes the nearest

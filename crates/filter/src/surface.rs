@@ -10,6 +10,12 @@ use crate::FrameView;
 /// How far, in pixels, the depth of a hole is looked for; holes farther from any depth stay as sharp as they came.
 pub(crate) const HOLE_REACH: i32 = 32;
 
+/// Largest inverse depth that is taken from a file, in 1 / scene units: squares and sums of what is nearer would overflow.
+pub(crate) const NEAREST: f32 = 1e12;
+
+/// A hidden surface that fills less of a pixel than this is not there; its colour as if it filled it would be a guess.
+const LEAST_COVER: f32 = 1e-4;
+
 /// Brightest value that is taken from a file: the largest half float. Infinities become it, NaN becomes 0.
 const BRIGHTEST: f32 = 65504.0;
 
@@ -55,13 +61,13 @@ impl Surface {
             let known = &layer.known.bits()[part.clone()];
             if index > 0 {
                 for x in 0..width {
-                    cover[x] = if known[x] { rgba[x][3].clamp(0.0, 1.0) } else { 0.0 };
+                    cover[x] = if known[x] && rgba[x][3] >= LEAST_COVER { rgba[x][3].min(1.0) } else { 0.0 };
                 }
             }
             let depth = &layer.depth.values()[part];
             for x in 0..width {
                 inverse[x] = if known[x] {
-                    1.0 / depth[x]
+                    (1.0 / depth[x]).min(NEAREST)
                 } else if cover[x] > 0.0 {
                     inverse_depth(view, camera, layer, window.x + x as i32, y)
                 } else {
@@ -125,7 +131,7 @@ fn inverse_depth(view: &FrameView, camera: &Camera, layer: &Layer, x: i32, y: i3
             if !window.contains(u, v) || !layer.known.at(u, v) {
                 return;
             }
-            let found = (dx * dx + dy * dy, 1.0 / layer.depth.at(u, v));
+            let found = (dx * dx + dy * dy, (1.0 / layer.depth.at(u, v)).min(NEAREST));
             if nearest.is_none_or(|best| found.0 < best.0 || (found.0 == best.0 && found.1 < best.1)) {
                 nearest = Some(found);
             }

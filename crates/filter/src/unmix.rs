@@ -70,12 +70,6 @@ pub(crate) fn splits(first: &Surface, behind: &[Surface], jump: f32) -> Vec<Spli
     rows.concat()
 }
 
-/// No colour below 0 and no alpha above 1 unless the pixel itself has one.
-fn within(pixel: &[f32; 4], rgba: [f32; 4]) -> [f32; 4] {
-    let [r, g, b, a] = [0, 1, 2, 3].map(|c| rgba[c].max(pixel[c].min(0.0)));
-    [r, g, b, a.min(pixel[3].max(1.0))]
-}
-
 /// Where a pixel lies beside a jump of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
@@ -130,11 +124,16 @@ struct Guess {
     /// Mean square while it is summed up, then the variance over all channels.
     variance: f32,
     depth: f32,
+    /// The nearest inverse depth that it is made of.
+    nearest: f32,
     slope: [f32; 2],
 }
 
 impl Guess {
-    fn add(&mut self, weight: f32, rgba: [f32; 4], depth: f32, slope: [f32; 2]) {
+    /// Adds a pixel at an offset.
+    fn add(&mut self, weight: f32, rgba: [f32; 4], depth: f32, slope: [f32; 2], (dx, dy): (i32, i32)) {
+        self.nearest = if self.weight > 0.0 { self.nearest.max(depth) } else { depth };
+        let depth = depth - slope[0] * dx as f32 - slope[1] * dy as f32;
         self.weight += weight;
         self.rgba.iter_mut().zip(rgba).for_each(|(sum, c)| *sum += weight * c);
         self.variance += weight * rgba.iter().map(|c| c * c).sum::<f32>();
@@ -147,7 +146,9 @@ impl Guess {
         let rgba = self.rgba.map(|c| c * scale);
         let variance = (self.variance * scale - rgba.iter().map(|c| c * c).sum::<f32>()).max(0.0);
         let slope = self.slope.map(|s| s * scale);
-        Some(Self { weight: self.weight, rgba, variance, depth: self.depth * scale, slope })
+        // A guess is no nearer than what it is made of, so that nothing is blurred more than the frame's depths tell
+        let depth = (self.depth * scale).min(self.nearest);
+        Some(Self { rgba, variance, depth, slope, ..*self })
     }
 }
 
@@ -191,13 +192,21 @@ impl Splitter<'_> {
         // Give what is left over to both in the way that changes them least
         let open = 1.0 - share;
         let norm = share * share + open * open;
-        let rest: [f32; 4] = [0, 1, 2, 3].map(|c| (rgba[c] - share * near[c] - open * far[c]) / norm);
+        let both = [0, 1, 2, 3].map(|c| {
+            let rest = (rgba[c] - share * near[c] - open * far[c]) / norm;
+            match (near[c] + share * rest, far[c] + open * rest) {
+                // No surface is darker than black; the other one then holds all
+                (near, far) if near < 0.0 && rgba[c] >= 0.0 => (0.0, if open > 0.0 { rgba[c] / open } else { far }),
+                (near, far) if far < 0.0 && rgba[c] >= 0.0 => (if share > 0.0 { rgba[c] / share } else { near }, 0.0),
+                both => both,
+            }
+        });
         Some(Split {
             index,
             is_near,
             share,
-            near: within(&rgba, [0, 1, 2, 3].map(|c| near[c] + share * rest[c])),
-            far: within(&rgba, [0, 1, 2, 3].map(|c| far[c] + open * rest[c])),
+            near: both.map(|(near, _)| near),
+            far: both.map(|(_, far)| far),
             doubt: ((own.variance + other.variance) / 6.0).sqrt(),
             other_depth: other.depth,
             other_slope: other.slope,
@@ -233,9 +242,7 @@ impl Splitter<'_> {
                 (false, false) => &mut own_mixed,
             };
             let weight = (-0.5 * (dx * dx + dy * dy) as f32 / NEARNESS).exp();
-            let slope = self.first.slope[i];
-            let depth = self.first.inverse_depth[i] - slope[0] * dx as f32 - slope[1] * dy as f32;
-            guess.add(weight, self.first.rgba[i], depth, slope);
+            guess.add(weight, self.first.rgba[i], self.first.inverse_depth[i], self.first.slope[i], (dx, dy));
         }
         (own.mean().or_else(|| own_mixed.mean()), other.mean().or_else(|| other_mixed.mean()), tent)
     }
@@ -246,6 +253,6 @@ impl Splitter<'_> {
         let surface = self.behind.iter().find(|s| s.cover[index] > 0.5 && s.inverse_depth[index] < farther)?;
         let rgba = surface.rgba[index].map(|c| c / surface.cover[index]);
         let (depth, slope) = (surface.inverse_depth[index], surface.slope[index]);
-        Some(Guess { weight: 1.0, rgba, variance: 0.0, depth, slope })
+        Some(Guess { weight: 1.0, rgba, variance: 0.0, depth, nearest: depth, slope })
     }
 }

@@ -1,0 +1,89 @@
+//! Rung 3 is rung 2 at another cost.
+
+use filter::{GatherSettings, Method};
+use glam::{DVec3, Vec3};
+use optics::{ApertureShape, Camera};
+use rgbd::{Frame, Layer, Picture, PixelWindow, Plane};
+
+use crate::scenes::{camera, filtered, noise, over};
+
+const DISPLAY: PixelWindow = PixelWindow { x: 0, y: 0, width: 320, height: 200 };
+
+/// A textured floor with boxes on it under a plain sky: colour of 16 samples, depth of one.
+fn boxes() -> Frame {
+    let data = DISPLAY.grown(24, 24);
+    let hit = |x: f32, y: f32| {
+        let q = Vec3::new((x + 0.5 - 160.0) / 100.0, (100.0 - y - 0.5) / 100.0, 1.0);
+        let mut nearest = (f32::INFINITY, 0.8);
+        // The floor, in squares with noise on them
+        if q.y < 0.0 {
+            let z = -1.0 / q.y;
+            let (u, v) = (z * q.x, z);
+            let square = ((2.0 * u).floor() + (2.0 * v).floor()) as i32;
+            let grain = noise((u * 40.0).floor() as i32, (v * 40.0).floor() as i32, 5);
+            nearest = (z, 0.2 + 0.5 * square.rem_euclid(2) as f32 + 0.3 * grain);
+        }
+        for i in 0..14 {
+            let random = |k: u32| noise(i, 3, 20 + k);
+            let low = Vec3::new(-6.0 + 12.0 * random(0), -1.0, 2.0 + 10.0 * random(1));
+            let high = low + Vec3::new(0.4 + random(2), 0.3 + 1.5 * random(3), 0.4 + random(4));
+            let (a, b) = (low / q, high / q);
+            let (enter, leave) = (a.min(b), a.max(b));
+            let z = enter.max_element();
+            if z <= leave.min_element() && z > 0.0 && z < nearest.0 {
+                let side = if z == enter.x {
+                    0.6
+                } else if z == enter.y {
+                    1.0
+                } else {
+                    0.8
+                };
+                let p = q * z * 20.0;
+                let grain = noise(p.x.floor() as i32, p.y.floor() as i32 * 31 + p.z.floor() as i32, 6);
+                nearest = (z, side * (0.2 + 0.6 * random(5) + 0.2 * grain));
+            }
+        }
+        nearest
+    };
+    let color = Picture::from_fn(data, |x, y| {
+        let mut sum = [0.0, 0.0, 0.0, 1.0];
+        for k in 0..16 {
+            let offset = |k: i32| (k as f32 + 0.5) / 4.0 - 0.5;
+            let (z, c) = hit(x as f32 + offset(k % 4), y as f32 + offset(k / 4));
+            let rgb = if z.is_finite() { [c, 0.9 * c, 0.7 * c] } else { [0.4, 0.6, 0.9] };
+            (0..3).for_each(|i| sum[i] += rgb[i] / 16.0);
+        }
+        sum
+    });
+    let depth = Plane::from_fn(data, |x, y| hit(x as f32, y as f32).0);
+    Frame::new(DISPLAY, vec![Layer::from_raw_depth(color, depth)]).unwrap()
+}
+
+#[test]
+fn merged_neighbours_make_the_same_picture() {
+    // What issue 3 asks for
+    const MEAN: f64 = 1e-3;
+    const HIGH: f64 = 0.02;
+    let frame = boxes();
+    let lenses: [(&str, Camera); 4] = [
+        ("near focus", camera(DVec3::new(0.0, 0.0, 0.45), DVec3::Z, 0.4, ApertureShape::Disc)),
+        ("far focus", camera(DVec3::new(0.0, 0.0, 0.08), DVec3::Z, 0.5, ApertureShape::polygon(6, 0.1).unwrap())),
+        ("along the floor", camera(DVec3::new(0.0, -0.9, 0.05), DVec3::Z, 0.9, ApertureShape::Disc)),
+        ("tilted iris", camera(DVec3::new(0.1, 0.5, 0.2), DVec3::new(0.0, -0.2, 1.0), 0.5, ApertureShape::Disc)),
+    ];
+    for (name, lens) in lenses {
+        let settings = GatherSettings::default();
+        let lens = over(DISPLAY, &lens);
+        let [plain, merged] =
+            [Method::Gather(settings), Method::Merged(settings)].map(|method| filtered(&frame, &lens, &method));
+        let pixels = || DISPLAY.pixels().flat_map(|(x, y)| (0..3).map(move |c| (x, y, c)));
+        let mean = pixels().map(|(x, y, c)| f64::from(plain.at(x, y)[c])).sum::<f64>() / pixels().count() as f64;
+        let mut off: Vec<f64> =
+            pixels().map(|(x, y, c)| f64::from((plain.at(x, y)[c] - merged.at(x, y)[c]).abs())).collect();
+        off.sort_by(f64::total_cmp);
+        let high = off[off.len() * 999 / 1000];
+        let mean_off = off.iter().sum::<f64>() / off.len() as f64 / mean;
+        assert!(mean_off > 0.0, "{name}: nothing was merged");
+        assert!(mean_off <= MEAN && high <= HIGH, "{name}: mean {mean_off:e} of the mean, 99.9th percentile {high}");
+    }
+}
