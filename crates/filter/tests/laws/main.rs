@@ -7,4 +7,5 @@ mod energy;
 mod fuzz;
 mod leak;
 mod merged;
+mod rays;
 mod scenes;

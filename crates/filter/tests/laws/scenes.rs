@@ -46,13 +46,16 @@ pub(crate) fn one_layer() -> GatherSettings {
     GatherSettings { layers: 1, ..GatherSettings::default() }
 }
 
+pub(crate) fn rays(samples: u32) -> Method {
+    Method::LensRays(LensRaysSettings { samples, ..LensRaysSettings::default() })
+}
+
 pub(crate) fn all_methods() -> Vec<Method> {
     let kernels = [KernelModel::Disc, KernelModel::Ellipse, KernelModel::Exact];
     let blurs = kernels.into_iter().flat_map(|kernel| {
         [Method::OwnCoc(forced(kernel)), Method::Gather(forced(kernel)), Method::Merged(forced(kernel))]
     });
-    let rays = Method::LensRays(LensRaysSettings { samples: 16, ..LensRaysSettings::default() });
-    [Method::Pinhole, rays].into_iter().chain(blurs).collect()
+    [Method::Pinhole, rays(16)].into_iter().chain(blurs).collect()
 }
 
 pub(crate) fn lenses() -> Vec<Camera> {
