@@ -29,6 +29,8 @@ mod lens_ray;
 mod lens_rays;
 mod own_coc;
 mod patch;
+#[cfg(test)]
+mod plain;
 mod predicted;
 mod prepare;
 mod row;
