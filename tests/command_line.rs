@@ -95,6 +95,19 @@ fn a_lens_from_options_replaces_the_frames_own() {
 }
 
 #[test]
+fn raised_highlights_are_not_clipped_again() {
+    let folder = TempDir::new().unwrap();
+    rendered(folder.path());
+    let raise = ["filter", "d.exr", "-o", "r.exr", "--highlight-gain", "50", "--highlight-threshold", "0.5"];
+    let output = tiltshift(folder.path(), &raise);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stderr(&output).contains("highlights raised in "), "{}", stderr(&output));
+    let picture = rgbd::read_picture(&folder.path().join("r.exr"), &rgbd::ReadOptions::default()).unwrap().value;
+    let brightest = picture.planes()[..3].iter().flat_map(|plane| plane.values()).copied().fold(0.0, f32::max);
+    assert!(brightest > 1.0, "{brightest}");
+}
+
+#[test]
 fn bad_requests_exit_with_2_and_say_in_one_line_what_would_do() {
     let folder = TempDir::new().unwrap();
     rendered(folder.path());
@@ -158,6 +171,12 @@ fn bad_requests_exit_with_2_and_say_in_one_line_what_would_do() {
         (&["filter", "t.exr", "-o", "o.exr", "-N", "2", "--focal-length", "50", "--focus-distance", "1"], "depth"),
         (&["filter", "d.exr", "-o", "o.exr", "--max-radius", "-1"], "largest blur radius"),
         (&["filter", "d.exr", "-o", "o.exr", "--tilt", "90"], "degrees"),
+        (&["filter", "d.exr", "-o", "o.exr", "--highlight-gain", "0.5"], "gain of highlights is 0.5; it must be 1 to"),
+        (
+            &["filter", "d.exr", "-o", "o.exr", "--highlight-gain", "2", "--highlight-threshold", "1"],
+            "threshold of highlights is 1; it must be 0 or more",
+        ),
+        (&["filter", "d.exr", "-o", "o.exr", "--highlight-threshold", "0.5"], "--highlight-gain"),
         (&["filter", "d.exr", "-o", "o.png"], "--png"),
         (&["compare", "t.exr", "missing.exr"], "missing.exr"),
         (&["render", &scene, "--shot", "nosuch"], "nosuch"),

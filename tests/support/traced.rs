@@ -6,7 +6,7 @@ use compare::{MaskKind, Masks, Reference};
 use filter::{FrameView, Method};
 use glam::DVec2;
 use optics::{ApertureShape, Camera, Iris};
-use rgbd::{Frame, PixelWindow, Silent};
+use rgbd::{Frame, Picture, PixelWindow, Silent};
 use trace::{LayerSettings, SceneFile};
 
 use crate::support::score::Score;
@@ -24,6 +24,9 @@ pub(crate) struct Traced {
     pub(crate) frame: Frame,
     pub(crate) masks: Masks,
     pub(crate) reference: Reference,
+    /// The truth's two halves, which share no sample.
+    #[allow(dead_code, reason = "only some tests need them")]
+    pub(crate) halves: [Picture; 2],
 }
 
 impl Traced {
@@ -46,7 +49,7 @@ impl Traced {
         let frame = layered.frame;
         let masks = Masks::from_frame(&frame, &camera, None).expect("a film of the frame's size");
         let reference = Reference::from_truth(&truth).expect("halves of the display window");
-        Self { camera, frame, masks, reference }
+        Self { camera, frame, masks, reference, halves: truth.halves }
     }
 
     /// How near the frame, filtered with its own camera, comes to the truth.

@@ -8,11 +8,12 @@ use rgbd::{Picture, PixelWindow, Plane, Progress};
 use crate::{
     FilterError, FrameView, GatherSettings, KernelRule, LensRaysSettings,
     gather::{GatherRun, Gathered, gather},
+    lattice::SIDES_PER_RADIUS,
     lens_map::PixelLens,
     lens_points::MAX_SAMPLES,
     lens_rays::{RayRun, lens_rays},
     own_coc::own_coc,
-    predicted::predicted_error,
+    predicted::{PredictedError, predicted_error},
     surface::{HOLE_REACH, NEAREST, pixel_q},
     unmix::UNMIX_REACH,
 };
@@ -88,9 +89,8 @@ pub struct Filtered {
     pub largest_radius_px: f32,
     /// The limit that cut it, in pixels, if it did.
     pub cut_to_px: Option<f32>,
-    /// How far each pixel may be from the truth, root mean square over R, G and B, where it was asked for: what is made
-    /// of guessed background, of silhouettes taken apart, or of too little picture at the border.
-    pub predicted_error: Option<Plane>,
+    /// How far each pixel may be from the truth, and why, where it was asked for.
+    pub predicted_error: Option<PredictedError>,
 }
 
 /// Puts the lens of `camera` onto the frame and returns the pixels of `window`.
@@ -165,7 +165,7 @@ pub fn apply(
                 doubt: settings.predict_error,
             };
             let Gathered { picture, doubt } = gather(view, camera, &run, window, progress)?;
-            let error = doubt.map(|[doubt, open]| predicted_error(&picture, &doubt, &open));
+            let error = doubt.map(|[doubt, open]| predicted_error(view, camera, doubt, &open));
             (picture, error)
         }
     };
@@ -195,7 +195,9 @@ pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
         // A colour is taken from the mirrored place beyond a silhouette, which is half as far again from there
         Method::Gather(_) | Method::Merged(_) | Method::LensRays(_) => {
             let filled = fill_reach(inverse, camera, limit);
-            blur + GATHER_REACH + PREPARE_REACH + (2.5 * filled).ceil() as u32
+            // Pixels are interpolated between cells, of which the blur spans some sides
+            let cells = (3.0 * largest / SIDES_PER_RADIUS).ceil() as u32;
+            blur + cells + GATHER_REACH + PREPARE_REACH + (2.5 * filled).ceil() as u32
         }
     }
 }
@@ -281,11 +283,13 @@ fn kernel(depths: Option<DepthRange>, camera: &Camera, rule: KernelRule) -> (Ker
 
 /// Nearest and farthest known depth of the whole frame, in the layers that are used.
 fn depth_range(view: &FrameView, settings: &GatherSettings) -> Option<DepthRange> {
-    let known = view.frame().layers().iter().take(settings.layers.max(1)).flat_map(|layer| {
-        let depths = layer.depth.values().iter().zip(layer.known.bits());
-        depths.filter(|&(_, &known)| known).map(|(&z, _)| z)
-    });
-    let (near, far) = known.fold((f32::INFINITY, 0.0_f32), |(near, far), z| (near.min(z), far.max(z)));
+    let (mut near, mut far) = (f32::INFINITY, 0.0);
+    for layer in view.frame().layers().iter().take(settings.layers.max(1)) {
+        for (&z, &known) in layer.depth.values().iter().zip(layer.known.bits()) {
+            near = if known && z < near { z } else { near };
+            far = if known && z > far { z } else { far };
+        }
+    }
     DepthRange::new(f64::from(near), f64::from(far)).ok()
 }
 

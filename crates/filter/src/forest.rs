@@ -5,16 +5,19 @@
 //! cover and colour. A square in which a near and a far surface meet holds a branch for each. Squares are anchored at
 //! pixel (0, 0), so that a part of a frame has the same trees as the whole.
 
-use rayon::prelude::*;
+use std::sync::OnceLock;
+
 use rgbd::PixelWindow;
 
-use crate::{fragment::Fragment, prepare::Prepared, surface::Surface};
-
-/// Side of the squares that hold trees, in pixels.
-pub(crate) const SQUARE: i32 = 16;
+use crate::{
+    cells::{EMPTY, Range, SQUARE, joined},
+    fragment::Fragment,
+    prepare::Prepared,
+    surface::Surface,
+};
 
 /// Pieces are merged if their blur radii differ by at most this, in sides of the square.
-const MERGED_SPREAD: f32 = 0.25;
+const MERGED_SPREAD: f32 = 0.125;
 
 /// A piece of surface, of one pixel or merged.
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +29,7 @@ pub(crate) struct Piece {
     pub(crate) size: f32,
     pub(crate) inverse_depth: f32,
     /// Smallest and largest inverse depth that were merged.
-    pub(crate) range: [f32; 2],
+    pub(crate) range: Range,
     pub(crate) slope: [f32; 2],
     /// Sum over pixels of what it fills of them.
     pub(crate) cover: f32,
@@ -47,40 +50,44 @@ struct Trees {
     parts: Vec<u32>,
     /// The pieces that are part of no other.
     roots: (u32, u32),
-    /// Smallest and largest inverse depth.
-    range: [f32; 2],
 }
 
 const LEAF: u32 = 1 << 31;
 
 /// All trees of a view.
-pub(crate) struct Forest {
-    prepared: Prepared,
-    /// First square's column and row, in squares, and their number.
-    first: (i32, i32),
-    columns: i32,
-    rows: i32,
-    trees: Vec<Trees>,
-    range: [f32; 2],
+pub(crate) struct Forest<'a> {
+    prepared: &'a Prepared,
+    row_starts: Vec<usize>,
+    /// Grown when a tile asks for them; what each square holds at most is known before.
+    trees: Vec<OnceLock<Trees>>,
+    ranges: Vec<Range>,
+    range: Range,
+    px: f32,
+    levels: u32,
 }
 
-impl Forest {
-    /// Grows the trees; `px` is the blur radius in pixels of a unit of inverse depth. `levels` is how often squares are
+impl<'a> Forest<'a> {
+    /// Prepares the trees; `px` is the blur radius in pixels of a unit of inverse depth. `levels` is how often squares are
     /// doubled, at most 4; 0 merges nothing.
-    pub(crate) fn new(prepared: Prepared, px: f32, levels: u32) -> Self {
-        let window = prepared.window();
-        let first = (window.x.div_euclid(SQUARE), window.y.div_euclid(SQUARE));
-        let last = ((window.x_end() - 1).div_euclid(SQUARE), (window.y_end() - 1).div_euclid(SQUARE));
-        let (columns, rows) = (last.0 - first.0 + 1, last.1 - first.1 + 1);
-        let row_starts = row_starts(window, &prepared.fragments);
-        let square = |i: i32| (first.0 + i % columns, first.1 + i / columns);
-        let grower = Grower { prepared: &prepared, row_starts: &row_starts, px };
-        let trees: Vec<Trees> = (0..columns * rows)
-            .into_par_iter()
-            .map_init(Vec::new, |items, i| grower.grow(square(i), levels, items))
-            .collect();
-        let range = trees.iter().fold(EMPTY, |range, trees| joined(range, trees.range));
-        Self { prepared, first, columns, rows, trees, range }
+    pub(crate) fn new(prepared: &'a Prepared, px: f32, levels: u32) -> Self {
+        let row_starts = row_starts(prepared.window(), &prepared.fragments);
+        let mut ranges = prepared.cells.square_ranges.clone();
+        for fragment in &prepared.fragments {
+            let (x, y) = prepared.place(fragment.index);
+            let range = &mut ranges[prepared.cells.squares.index(x, y)];
+            *range = joined(*range, [fragment.inverse_depth; 2]);
+        }
+        let range = ranges.iter().fold(EMPTY, |all, &range| joined(all, range));
+        let trees = ranges.iter().map(|_| OnceLock::new()).collect();
+        Self { prepared, row_starts, trees, ranges, range, px, levels }
+    }
+
+    /// The trees of a square.
+    fn trees(&self, square: usize) -> &Trees {
+        self.trees[square].get_or_init(|| {
+            let grower = Grower { prepared: self.prepared, row_starts: &self.row_starts, px: self.px };
+            grower.grow(self.prepared.cells.squares.corner(square), self.levels, &mut Vec::new())
+        })
     }
 
     /// The surfaces it was grown from.
@@ -91,64 +98,98 @@ impl Forest {
     /// Calls `take` for pieces that together are everything that may touch `tile`, each piece once.
     ///
     /// `reach` tells how many pixels a range of inverse depth reaches at most, `serves` whether a merged piece may stand
-    /// for its parts.
+    /// for its parts, `merges` whether one within a range may at all.
     pub(crate) fn visit(
         &self,
         tile: PixelWindow,
-        reach: &impl Fn([f32; 2]) -> f32,
+        reach: &impl Fn(Range) -> f32,
         serves: &impl Fn(&Piece) -> bool,
+        merges: &impl Fn(Range) -> bool,
         take: &mut impl FnMut(&Piece),
     ) {
-        let margin = reach(self.range).min(1e6) as i32 + SQUARE;
-        let column = |x: i32| (x.div_euclid(SQUARE) - self.first.0).clamp(0, self.columns - 1);
-        let row = |y: i32| (y.div_euclid(SQUARE) - self.first.1).clamp(0, self.rows - 1);
-        let center =
-            [tile.x as f32 + 0.5 * (tile.width as f32 - 1.0), tile.y as f32 + 0.5 * (tile.height as f32 - 1.0)];
-        let half = [0.5 * (tile.width as f32 - 1.0), 0.5 * (tile.height as f32 - 1.0)];
-        let touches = |x: f32, y: f32, size: f32, range: [f32; 2]| {
+        let squares = self.prepared.cells.squares;
+        let half = [tile.width, tile.height].map(|side| 0.5 * (side as f32 - 1.0));
+        let center = [tile.x as f32 + half[0], tile.y as f32 + half[1]];
+        let touches = |x: f32, y: f32, size: f32, range: Range| {
             let reach = reach(range) + size;
             let gap = [(x - center[0]).abs() - half[0], (y - center[1]).abs() - half[1]].map(|gap| gap.max(0.0));
             gap[0] * gap[0] + gap[1] * gap[1] <= reach * reach
         };
         let mut stack: Vec<u32> = Vec::new();
-        for j in row(tile.y - margin)..=row(tile.y_end() + margin) {
-            for i in column(tile.x - margin)..=column(tile.x_end() + margin) {
-                let trees = &self.trees[(j * self.columns + i) as usize];
-                let middle = |k: i32| ((k * SQUARE) as f32) + 0.5 * (SQUARE as f32 - 1.0);
-                let (x, y) = (middle(self.first.0 + i), middle(self.first.1 + j));
-                if trees.roots.1 == 0 || !touches(x, y, 0.75 * SQUARE as f32, trees.range) {
+        for square in squares.around(tile, reach(self.range).min(1e6) as i32 + SQUARE) {
+            let (x, y) = squares.corner(square);
+            let middle = |start: i32| start as f32 + 0.5 * (SQUARE as f32 - 1.0);
+            let range = self.ranges[square];
+            if !touches(middle(x), middle(y), 0.75 * SQUARE as f32, range) {
+                continue;
+            }
+            if self.levels == 0 || !merges(range) {
+                self.visit_leaves((x, y), |x, y, s| touches(x, y, 0.0, [s; 2]), take);
+                continue;
+            }
+            let trees = self.trees(square);
+            let parts = |(start, count): (u32, u32)| &trees.parts[start as usize..(start + count) as usize];
+            stack.clear();
+            stack.extend(parts(trees.roots).iter().rev());
+            while let Some(part) = stack.pop() {
+                if part & LEAF != 0 {
+                    let piece = self.prepared.leaf(part & !LEAF);
+                    if touches(piece.x, piece.y, 0.0, piece.range) {
+                        take(&piece);
+                    }
                     continue;
                 }
-                let parts = |(start, count): (u32, u32)| &trees.parts[start as usize..(start + count) as usize];
-                stack.clear();
-                stack.extend(parts(trees.roots).iter().rev());
-                while let Some(part) = stack.pop() {
-                    if part & LEAF != 0 {
-                        let piece = self.prepared.leaf(part & !LEAF);
-                        if touches(piece.x, piece.y, 0.0, piece.range) {
-                            take(&piece);
-                        }
-                        continue;
-                    }
-                    let piece = &trees.branches[part as usize];
-                    if !touches(piece.x, piece.y, piece.size, piece.range) {
-                        continue;
-                    }
-                    if serves(piece) {
-                        take(piece);
-                    } else {
-                        stack.extend(parts(piece.parts).iter().rev());
-                    }
+                let piece = &trees.branches[part as usize];
+                if !touches(piece.x, piece.y, piece.size, piece.range) {
+                    continue;
+                }
+                if serves(piece) {
+                    take(piece);
+                } else {
+                    stack.extend(parts(piece.parts).iter().rev());
                 }
             }
         }
     }
-}
 
-const EMPTY: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
+    /// Calls `look` for the range of each square that may touch `tile`.
+    pub(crate) fn ranges_around(&self, tile: PixelWindow, reach: &impl Fn(Range) -> f32, mut look: impl FnMut(Range)) {
+        let squares = self.prepared.cells.squares;
+        let gap = |at: i32, start: i32, end: i32| (start - (at + SQUARE)).max(at - end).max(0) as f32;
+        for square in squares.around(tile, reach(self.range).min(1e6) as i32) {
+            let (x, y) = squares.corner(square);
+            let (across, down) = (gap(x, tile.x, tile.x_end()), gap(y, tile.y, tile.y_end()));
+            let reach = reach(self.ranges[square]);
+            if across * across + down * down <= reach * reach {
+                look(self.ranges[square]);
+            }
+        }
+    }
 
-fn joined(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
-    [a[0].min(b[0]), a[1].max(b[1])]
+    /// The pieces of the square whose first pixel is `corner`, row by row, without those of which the place and the inverse
+    /// depth touch nothing.
+    fn visit_leaves(&self, corner: (i32, i32), touches: impl Fn(f32, f32, f32) -> bool, take: &mut impl FnMut(&Piece)) {
+        let (window, first) = (self.prepared.window(), &self.prepared.first);
+        let columns = corner.0.max(window.x)..(corner.0 + SQUARE).min(window.x_end());
+        for y in corner.1.max(window.y)..(corner.1 + SQUARE).min(window.y_end()) {
+            let row = (y - window.y) as usize;
+            let fragments = &self.prepared.fragments[self.row_starts[row]..self.row_starts[row + 1]];
+            let from = window.index(columns.start, y);
+            let mut next = fragments.partition_point(|f| (f.index as usize) < from);
+            for (i, x) in (from..).zip(columns.clone()) {
+                let touches = |s: f32| touches(x as f32, y as f32, s);
+                if first.cover[i] > 0.0 && touches(first.inverse_depth[i]) {
+                    take(&self.prepared.leaf(i as u32));
+                }
+                while let Some(fragment) = fragments.get(next).filter(|f| f.index as usize == i) {
+                    if touches(fragment.inverse_depth) {
+                        take(&self.prepared.fragment(fragment));
+                    }
+                    next += 1;
+                }
+            }
+        }
+    }
 }
 
 /// Where each row's fragments start, and where the last row's end.
@@ -158,17 +199,22 @@ fn row_starts(window: PixelWindow, fragments: &[Fragment]) -> Vec<usize> {
 }
 
 impl Prepared {
+    /// The pixel at a row-major index.
+    fn place(&self, i: u32) -> (i32, i32) {
+        let window = self.window();
+        ((i % window.width) as i32 + window.x, (i / window.width) as i32 + window.y)
+    }
+
     /// A leaf: the first layer's pixels come first, then the fragments.
     fn leaf(&self, i: u32) -> Piece {
         let window = self.window();
         let count = window.area() as u32;
-        let at = |i: u32| ((i % window.width) as i32 + window.x, (i / window.width) as i32 + window.y);
         if i < count {
-            let (first, (x, y)) = (&self.first, at(i));
+            let (first, (x, y)) = (&self.first, self.place(i));
             let i = i as usize;
             let s = first.inverse_depth[i];
             let (x, y) = (x as f32, y as f32);
-            let (slope, cover, rgba) = (first.slope[i], first.cover[i], first.rgba[i]);
+            let (slope, cover, rgba) = (first.slope(i), first.cover[i], first.rgba[i]);
             Piece {
                 x,
                 y,
@@ -187,11 +233,11 @@ impl Prepared {
     }
 
     fn fragment(&self, fragment: &Fragment) -> Piece {
-        let window = self.window();
         let s = fragment.inverse_depth;
+        let (x, y) = self.place(fragment.index);
         Piece {
-            x: ((fragment.index % window.width) as i32 + window.x) as f32,
-            y: ((fragment.index / window.width) as i32 + window.y) as f32,
+            x: x as f32,
+            y: y as f32,
             size: 1.0,
             inverse_depth: s,
             range: [s; 2],
@@ -214,11 +260,10 @@ struct Grower<'a> {
 }
 
 impl Grower<'_> {
-    /// The trees of a square.
-    fn grow(&self, (column, row): (i32, i32), levels: u32, items: &mut Vec<Item>) -> Trees {
+    /// The trees of the square whose first pixel is `corner`.
+    fn grow(&self, corner: (i32, i32), levels: u32, items: &mut Vec<Item>) -> Trees {
         let window = self.prepared.window();
-        let corner = (column * SQUARE, row * SQUARE);
-        let mut trees = Trees { range: EMPTY, ..Trees::default() };
+        let mut trees = Trees::default();
 
         // Take the leaves in an order in which those of each square of 2, 4, ... pixels lie together
         items.clear();
@@ -268,7 +313,6 @@ impl Grower<'_> {
             starts[squares] = end;
             items.truncate(end);
         }
-        trees.range = items.iter().fold(EMPTY, |range, (piece, _)| joined(range, piece.range));
         trees.roots = (trees.parts.len() as u32, items.len() as u32);
         trees.parts.extend(items.iter().map(|&(_, name)| name));
         trees

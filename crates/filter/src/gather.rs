@@ -25,13 +25,16 @@ use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
 use crate::{
     FrameView, KernelRule,
+    cells::{BLOCK, blocks_of},
     forest::{Forest, Piece},
     kernel::KernelTable,
+    lattice::{self, Lattice, LatticeScratch, TileFocus},
     lens_map::PixelLens,
     prepare::Prepared,
     row::{BlockTap, Footprint, LANES, Round, Row, Shaped, Shared, Slab, gather_row},
     tap::Weight,
     tiles::{TILE, by_tiles},
+    upsample::{MARGIN, upsample},
 };
 
 /// Depth of a slab in pixels of blur radius: surfaces nearer to each other do not hide one another.
@@ -117,7 +120,9 @@ pub(crate) struct Gather<'a> {
     max_radius: f32,
     /// Blur radius in pixels of a unit of inverse depth.
     px: f32,
-    forest: Forest,
+    forest: Forest<'a>,
+    /// Where no edge is in sight, in rung 3.
+    lattice: Option<Lattice<'a>>,
     table: KernelTable,
     merge: bool,
 }
@@ -163,10 +168,13 @@ pub(crate) fn gather(
     let prepared = Prepared::new(view, camera, run.layers, run.fill_reach, run.sides);
     // Squares that nothing is blurred enough for are not needed
     let merged = (run.max_radius.min(run.largest_radius) / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
-    let forest = Forest::new(prepared, px, if run.merge { merged.min(4) } else { 0 });
+    let forest = Forest::new(&prepared, px, if run.merge { merged.min(4) } else { 0 });
     let table = KernelTable::new(camera.iris.shape());
     let GatherRun { model, max_radius, merge, level, .. } = *run;
-    let job = Gather { view, camera, model, max_radius, px, forest, table, merge };
+    let mut job = Gather { view, camera, model, max_radius, px, forest, lattice: None, table, merge };
+    if merge {
+        job.lattice = Some(job.lattice(&prepared, run.largest_radius));
+    }
     let round = model == KernelModel::Disc && camera.iris.shape() == optics::ApertureShape::Disc;
 
     let channels = if run.doubt { 6 } else { 4 };
@@ -230,13 +238,64 @@ struct Scratch {
     reaches: Vec<f32>,
     block: Vec<BlockTap>,
     slabs: Vec<Slab>,
+    lattice: LatticeScratch,
+    cells: [Vec<f32>; 6],
+}
+
+/// Eight receiving places in each of some rows.
+#[derive(Debug, Clone, Copy)]
+struct BlockGrid {
+    first: [f32; 2],
+    /// Pixels from one to the next.
+    step: f32,
+    rows: u32,
 }
 
 thread_local! {
     static SCRATCH: std::cell::RefCell<Scratch> = std::cell::RefCell::default();
 }
 
-impl Gather<'_> {
+impl<'a> Gather<'a> {
+    /// The pixels that no edge is in sight of.
+    fn lattice(&self, prepared: &'a Prepared, largest_radius: f32) -> Lattice<'a> {
+        // Those of the whole frame, so that bands of it see the same
+        let data = self.view.frame().data();
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| {
+            let at = |start: i32, length: u32, k: i32| f64::from(start) + f64::from(k) * f64::from(length);
+            self.lens_at(at(data.x, data.width, x), at(data.y, data.height, y))
+        });
+        let widest = corners.iter().map(|lens| lens.widest).fold(0.0, f32::max);
+        let stretch = corners.iter().map(PixelLens::stretch).fold(1.0, f32::max);
+        let slope = self.focus_slope().map(|s| s * widest);
+        let steepness = slope[0].hypot(slope[1]).min(0.9);
+        let reach = |[far, near]: [f32; 2], x: f32, y: f32| {
+            // The focus changes on the way to who sees it, and over both cells
+            let focus = self.lens_at(f64::from(x), f64::from(y)).focus;
+            let radius = widest * (near - focus).abs().max((far - focus).abs()) + steepness * 2.0 * BLOCK as f32;
+            (radius / (1.0 - steepness)).min(self.max_radius.min(largest_radius) * stretch) + 2.0
+        };
+        let in_sight = prepared.cells.in_sight(reach);
+        let colors = self.view.frame().layers()[0].color.planes();
+        let variance = self.camera.iris.shape().variance() as f32;
+        Lattice::new(
+            &prepared.first,
+            colors,
+            &prepared.cells,
+            in_sight,
+            &self.table,
+            variance,
+            self.max_radius,
+            largest_radius,
+        )
+    }
+
+    /// Change of the inverse depth of focus per pixel in x and y.
+    fn focus_slope(&self) -> [f32; 2] {
+        let [origin, right, below] = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]
+            .map(|(x, y)| self.camera.focus.inverse_depth(self.camera.film.q_from_pixel(glam::DVec2::new(x, y))));
+        [(right - origin) as f32, (below - origin) as f32]
+    }
+
     /// The lens that a point sees; whole coordinates are pixel centres.
     fn lens_at(&self, x: f64, y: f64) -> PixelLens {
         let display = self.view.frame().display;
@@ -274,22 +333,193 @@ impl Gather<'_> {
         simd.vectorize(
             #[inline(always)]
             || {
-                let scratch = &mut scratch;
-                self.collect(anchored, &lens, scratch);
-                if scratch.taps.iter().all(|tap| tap.piece.rgba == [0.0; 4]) {
+                let has_plan = self.plain_blocks::<S, DOUBT>(simd, &lens, anchored, tile, &mut scratch.lattice, out);
+                let left = self.left(anchored, has_plan);
+                if left.is_empty() {
                     return;
                 }
-                for y in (anchored.y..anchored.y_end()).step_by(block_rows(lens.spread) as usize) {
-                    for x in (anchored.x..anchored.x_end()).step_by(LANES) {
-                        let block = PixelWindow { x, y, width: LANES as u32, height: block_rows(lens.spread) };
-                        if !block.intersection(&tile).is_empty() {
-                            self.block::<S, F, DOUBT>(simd, footprint, &lens, block, tile, scratch, out);
-                        }
+                match self.coarseness(left, &lens) {
+                    0 => {
+                        self.each_pixel::<S, F, DOUBT>(simd, footprint, &lens, left, has_plan, tile, &mut scratch, out)
+                    }
+                    level => {
+                        let cells = (left, level);
+                        self.each_cell::<S, F, DOUBT>(simd, footprint, cells, has_plan, tile, &mut scratch, out);
                     }
                 }
             },
         );
         SCRATCH.set(scratch);
+    }
+
+    /// Gathers what is left of a tile pixel by pixel.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "all of them change from call to call")]
+    fn each_pixel<S: Simd, F: Footprint, const DOUBT: bool>(
+        &self,
+        simd: S,
+        footprint: &F,
+        lens: &TileLens,
+        left: PixelWindow,
+        has_plan: bool,
+        tile: PixelWindow,
+        scratch: &mut Scratch,
+        out: &mut [Vec<f32>],
+    ) {
+        self.collect(left, lens, scratch);
+        if scratch.taps.iter().all(|tap| tap.piece.rgba == [0.0; 4]) {
+            return;
+        }
+        let rows = block_rows(lens.spread);
+        for y in (left.y..left.y_end()).step_by(rows as usize) {
+            for x in (left.x..left.x_end()).step_by(LANES) {
+                let block = PixelWindow { x, y, width: LANES as u32, height: rows };
+                if block.intersection(&tile).is_empty() || !self.is_left(x, y, has_plan) {
+                    continue;
+                }
+                let lattice = BlockGrid { first: [x as f32, y as f32], step: 1.0, rows };
+                let is_wanted = |row: u32| (tile.y..tile.y_end()).contains(&(y + row as i32));
+                self.block::<S, F, DOUBT>(simd, footprint, lens, lattice, is_wanted, scratch, |row, gathered| {
+                    self.put(gathered, (x, y + row as i32), tile, out);
+                });
+            }
+        }
+    }
+
+    /// Gathers what is left of a tile at the centres of cells of 2^level pixels, and interpolates between them.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "all of them change from call to call")]
+    fn each_cell<S: Simd, F: Footprint, const DOUBT: bool>(
+        &self,
+        simd: S,
+        footprint: &F,
+        (left, level): (PixelWindow, u32),
+        has_plan: bool,
+        tile: PixelWindow,
+        scratch: &mut Scratch,
+        out: &mut [Vec<f32>],
+    ) {
+        // Cells lie on one grid for all tiles
+        let side = 1_i32 << level;
+        let left = left.aligned_to(side.max(BLOCK));
+        let margin = (MARGIN * side) as u32;
+        let around = left.grown(margin, margin);
+        let lens = self.tile_lens(around);
+        self.collect(around, &lens, scratch);
+
+        let [columns, lines] = [around.width, around.height].map(|length| length as usize / side as usize);
+        let width = columns.next_multiple_of(LANES);
+        let rows = block_rows(lens.spread);
+        let mut cells = std::mem::take(&mut scratch.cells);
+        cells.iter_mut().for_each(|plane| plane.resize(width * lines.next_multiple_of(rows as usize), 0.0));
+        let center = |start: i32, k: usize| start as f32 + (k as f32 + 0.5) * side as f32 - 0.5;
+        for j in (0..lines).step_by(rows as usize) {
+            for i in (0..columns).step_by(LANES) {
+                let lattice = BlockGrid { first: [center(around.x, i), center(around.y, j)], step: side as f32, rows };
+                let is_wanted = |row: u32| j + (row as usize) < lines;
+                self.block::<S, F, DOUBT>(simd, footprint, &lens, lattice, is_wanted, scratch, |row, gathered| {
+                    let to = (j + row as usize) * width + i;
+                    let share = gathered.full.map(|full| if full > 0.0 { 1.0 / full } else { 0.0 });
+                    let scaled =
+                        |values: &[f32; LANES]| -> [f32; LANES] { std::array::from_fn(|i| values[i] * share[i]) };
+                    let [r, g, b, a] = &gathered.rgba;
+                    let open = gathered.full.map(|full| 1.0 - full);
+                    let values = [scaled(r), scaled(g), scaled(b), scaled(a), scaled(&gathered.doubt), open];
+                    for (plane, values) in cells.iter_mut().zip(values) {
+                        plane[to..to + LANES].copy_from_slice(&values);
+                    }
+                });
+            }
+        }
+
+        upsample(
+            left,
+            level,
+            &cells,
+            width,
+            |x, y| self.is_left(x, y, has_plan),
+            |x, y, values| {
+                for i in (0..LANES).filter(|&i| tile.contains(x + i as i32, y)) {
+                    let at = tile.index(x + i as i32, y);
+                    out.iter_mut().zip(values).for_each(|(out, values)| out[at] = values[i]);
+                }
+            },
+        );
+        scratch.cells = cells;
+    }
+
+    /// How often cells may be doubled over which what is left of a tile is interpolated: all that touches it must be
+    /// blurred enough.
+    fn coarseness(&self, left: PixelWindow, lens: &TileLens) -> u32 {
+        if !self.merge {
+            return 0;
+        }
+        // The cells beyond the window see a little more of the focus
+        let reach = |range: [f32; 2]| 1.5 * lens.reach(range, self.max_radius) + 3.0 * lens.spread;
+        let mut least = self.max_radius;
+        self.forest.ranges_around(left, &reach, |range| {
+            least = least.min(lens.least_radius(range) - lens.spread);
+        });
+        (least / lattice::SIDES_PER_RADIUS).max(1.0).log2().floor().min(4.0) as u32
+    }
+
+    /// Sums up the blocks of a tile that no edge is in sight of; whether there are any.
+    #[inline(always)]
+    fn plain_blocks<S: Simd, const DOUBT: bool>(
+        &self,
+        simd: S,
+        lens: &TileLens,
+        anchored: PixelWindow,
+        tile: PixelWindow,
+        scratch: &mut LatticeScratch,
+        out: &mut [Vec<f32>],
+    ) -> bool {
+        let Some(lattice) = &self.lattice else { return false };
+        if blocks_of(anchored).all(|(x, y)| lattice.sees_edge(x, y)) {
+            return false;
+        }
+        let at = [anchored.x as f32, anchored.y as f32].map(|start| start + 0.5 * (TILE - 1) as f32);
+        let focus = TileFocus { center: &lens.center, at, range: lens.focus, slope: self.focus_slope() };
+        let Some(plan) = lattice.plan(anchored, &focus) else { return false };
+        lattice.tile::<S, DOUBT>(
+            simd,
+            anchored,
+            &focus,
+            plan,
+            scratch,
+            #[inline(always)]
+            |x, y, [full, rgba @ ..]| {
+                let row = PixelWindow { x, y, width: LANES as u32, height: 1 }.intersection(&tile);
+                if row.is_empty() {
+                    return;
+                }
+                let (from, to) = ((row.x - x) as usize, (row.x_end() - x) as usize);
+                let at = tile.index(row.x, y);
+                for (out, values) in out.iter_mut().zip(rgba) {
+                    out[at..at + to - from].copy_from_slice(&values[from..to]);
+                }
+                if let [_, _, _, _, _, open] = out {
+                    open[at..].iter_mut().zip(&full[from..to]).for_each(|(open, full)| *open = 1.0 - full.min(1.0));
+                }
+                for i in (from..to).filter(|&i| full[i] <= 0.0) {
+                    let rgba = self.unfiltered(x + i as i32, y);
+                    (0..4).for_each(|c| out[c][at + i - from] = rgba[c]);
+                }
+            },
+        );
+        true
+    }
+
+    /// Whether the block at a pixel is left to be gathered.
+    fn is_left(&self, x: i32, y: i32, has_plan: bool) -> bool {
+        !has_plan || self.lattice.as_ref().is_none_or(|lattice| lattice.sees_edge(x, y))
+    }
+
+    /// What is left of a tile.
+    fn left(&self, tile: PixelWindow, has_plan: bool) -> PixelWindow {
+        let cell = |(x, y)| PixelWindow { x, y, width: BLOCK as u32, height: BLOCK as u32 };
+        let left = blocks_of(tile).filter(|&(x, y)| self.is_left(x, y, has_plan)).map(cell);
+        left.reduce(|all, cell| all.union(&cell)).unwrap_or(PixelWindow { width: 0, height: 0, ..tile })
     }
 
     /// Collects what may touch a tile, nearest slab first.
@@ -307,7 +537,12 @@ impl Gather<'_> {
             slab(lens.center.focus + by * (self.max_radius + lens.spread + 4.0) / lens.center.scale.max(1e-30))
         };
         let (lowest, highest) = (far(-1.0), far(1.0));
-        self.forest.visit(tile, &reach, &serves, &mut |piece| {
+        // The smallest square has sides of two pixels
+        let merges = |[far, near]: [f32; 2]| {
+            let defocus = (near - lens.focus[0]).abs().max((far - lens.focus[1]).abs());
+            lens.center.scale * defocus >= SIDES_PER_RADIUS * 2.0
+        };
+        self.forest.visit(tile, &reach, &serves, &merges, &mut |piece| {
             let weight = Weight::new(&self.table, piece, &lens.center, self.max_radius);
             let is_steady = lens.spread <= STEADY_PX
                 || (self.merge && lens.spread <= STEADY_SHARE * weight.defocus.abs() && weight.defocus.abs() > 3.0);
@@ -349,7 +584,7 @@ impl Gather<'_> {
         }
     }
 
-    /// One block of a tile.
+    /// One block of a tile; `put` takes a row's index and what it gathered, if it is wanted.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "all of them change from call to call")]
     fn block<S: Simd, F: Footprint, const DOUBT: bool>(
@@ -357,48 +592,45 @@ impl Gather<'_> {
         simd: S,
         footprint: &F,
         tile_lens: &TileLens,
-        block: PixelWindow,
-        tile: PixelWindow,
+        block: BlockGrid,
+        is_wanted: impl Fn(u32) -> bool,
         scratch: &mut Scratch,
-        out: &mut [Vec<f32>],
+        mut put: impl FnMut(u32, &Row),
     ) {
-        let half = 0.5 * (block.height as f32 - 1.0);
-        let center = [block.x as f32 + 3.5, block.y as f32 + half];
-        let lens = self.lens_at(f64::from(block.x) + 3.5, f64::from(block.y) + f64::from(half));
+        let BlockGrid { first: [x, y], step, rows } = block;
+        let half = [0.5 * step * (LANES - 1) as f32, 0.5 * step * (rows as f32 - 1.0)];
+        let center = [x + half[0], y + half[1]];
+        let lens_at = |x: f32, y: f32| self.lens_at(f64::from(x), f64::from(y));
+        let lens = lens_at(center[0], center[1]);
 
         // What the defocus is more at each pixel than at the centre
-        let defocus = |x: f64, y: f64| lens.scale * (lens.focus - self.lens_at(x, y).focus);
-        let (x, y) = (f64::from(block.x), f64::from(block.y));
+        let defocus = |x: f32, y: f32| lens.scale * (lens.focus - lens_at(x, y).focus);
         let corner = defocus(x, y);
-        let (across, down) = (defocus(x + 1.0, y) - corner, defocus(x, y + 1.0) - corner);
-        let spread = 3.5 * across.abs() + half * down.abs();
+        let (across, down) = (defocus(x + step, y) - corner, defocus(x, y + step) - corner);
+        let spread = 3.5 * across.abs() + 0.5 * (rows as f32 - 1.0) * down.abs();
         self.find(simd, tile_lens, &lens, (center, half, spread), scratch);
 
         let shared = Shared { lens: &lens, table: &self.table, max_radius: self.max_radius };
-        for row in 0..block.height as i32 {
-            if block.y + row < tile.y || block.y + row >= tile.y_end() {
-                continue;
-            }
+        for row in (0..rows).filter(|&row| is_wanted(row)) {
             let mut by = [0.0; LANES];
             for (i, by) in by.iter_mut().enumerate() {
                 *by = corner + across * i as f32 + down * row as f32;
             }
-            let y = row as f32 - half;
+            let y = row as f32 * step - half[1];
             let (taps, slabs) = (&scratch.block, &scratch.slabs);
-            let gathered = gather_row::<S, F, DOUBT>(simd, footprint, &shared, taps, slabs, y, &by);
-            self.put(&gathered, block, row, tile, out);
+            put(row, &gather_row::<S, F, DOUBT>(simd, footprint, &shared, taps, slabs, (step, y), &by));
         }
     }
 
-    /// Finds the taps that may touch a block, given by its centre, half its height less a pixel, and how far the defocus
-    /// differs from that at the centre.
+    /// Finds the taps that may touch a block, given by its centre, its pixels' largest offsets from there, and how far the
+    /// defocus differs from that at the centre.
     #[inline(always)]
     fn find<S: Simd>(
         &self,
         simd: S,
         tile_lens: &TileLens,
         lens: &PixelLens,
-        (center, half, spread): ([f32; 2], f32, f32),
+        (center, half, spread): ([f32; 2], [f32; 2], f32),
         scratch: &mut Scratch,
     ) {
         let Scratch { taps, order, xs, ys, reaches, block, slabs, .. } = scratch;
@@ -443,11 +675,10 @@ impl Gather<'_> {
         }
     }
 
-    /// Puts a gathered row into the tile.
-    fn put(&self, gathered: &Row, block: PixelWindow, row: i32, tile: PixelWindow, out: &mut [Vec<f32>]) {
-        let y = block.y + row;
+    /// Puts a gathered row, whose first pixel is `start`, into the tile.
+    fn put(&self, gathered: &Row, start: (i32, i32), tile: PixelWindow, out: &mut [Vec<f32>]) {
         for i in 0..LANES {
-            let x = block.x + i as i32;
+            let (x, y) = (start.0 + i as i32, start.1);
             if !tile.contains(x, y) {
                 continue;
             }
@@ -460,26 +691,28 @@ impl Gather<'_> {
                     open[at] = 1.0 - full;
                 }
             } else {
-                // Nothing reaches it: the first layer's colour, nothing outside the data
-                let surface = self.forest.first_surface();
-                if surface.window.contains(x, y) {
-                    let rgba = surface.rgba[surface.window.index(x, y)];
-                    (0..4).for_each(|c| out[c][at] = rgba[c]);
-                }
+                let rgba = self.unfiltered(x, y);
+                (0..4).for_each(|c| out[c][at] = rgba[c]);
             }
         }
+    }
+
+    /// What nothing reaches: the first layer's colour, nothing outside the data.
+    fn unfiltered(&self, x: i32, y: i32) -> [f32; 4] {
+        let surface = self.forest.first_surface();
+        if surface.window.contains(x, y) { surface.rgba[surface.window.index(x, y)] } else { [0.0; 4] }
     }
 }
 
 /// Which of eight taps may touch the block around `center`, a bit for each.
 #[inline(always)]
-fn touching<S: Simd>(simd: S, xs: &[f32], ys: &[f32], reaches: &[f32], center: [f32; 2], half: f32) -> u64 {
+fn touching<S: Simd>(simd: S, xs: &[f32], ys: &[f32], reaches: &[f32], center: [f32; 2], half: [f32; 2]) -> u64 {
     #[inline(always)]
     fn gap<S: Simd>(simd: S, values: &[f32], center: f32, half: f32) -> f32x8<S> {
         ((f32x8::from_slice(simd, values) - center).abs() - half).max(0.0)
     }
     let (dx, dy, reach) =
-        (gap(simd, xs, center[0], 3.5), gap(simd, ys, center[1], half), f32x8::from_slice(simd, reaches));
+        (gap(simd, xs, center[0], half[0]), gap(simd, ys, center[1], half[1]), f32x8::from_slice(simd, reaches));
     (dx * dx + dy * dy).simd_le(reach * reach.abs()).to_bitmask()
 }
 

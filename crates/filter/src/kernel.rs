@@ -133,8 +133,8 @@ impl KernelTable {
             let radius = i as f64 / f64::from(STEPS);
             let wanted = variance * radius * radius;
             // Find the largest edge whose weights vary no more than the footprint
-            let (mut low, mut high) = (0.0, radius + 1.0);
-            for _ in 0..40 {
+            let (mut low, mut high) = ((radius - 1.0).max(0.0), radius + 0.5);
+            for _ in 0..18 {
                 let middle = 0.5 * (low + high);
                 if lattice_moments(&outline, middle).1 <= wanted { low = middle } else { high = middle }
             }
@@ -225,9 +225,13 @@ fn lattice_moments(outline: &Outline, edge: f64) -> (f64, f64) {
     let kernel = Kernel::of_edge(outline, edge as f32, 1.0);
     let n = edge as i32 + 2;
     let (mut sum, mut second) = (0.0, 0.0);
-    for y in -n..=n {
-        for x in -n..=n {
-            let weight = f64::from(kernel.at(outline.metric(x as f32, y as f32)));
+    // The quarters of a disc are alike
+    let is_disc = matches!(outline, Outline::Disc);
+    let first = if is_disc { 0 } else { -n };
+    let times = |k: i32| if is_disc && k > 0 { 2.0 } else { 1.0 };
+    for y in first..=n {
+        for x in first..=n {
+            let weight = times(x) * times(y) * f64::from(kernel.at(outline.metric(x as f32, y as f32)));
             sum += weight;
             second += weight * 0.5 * f64::from(x * x + y * y);
         }

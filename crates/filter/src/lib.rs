@@ -13,8 +13,13 @@
 //!
 //! The blur of a neighbour is read as a *gather*: with the focus w(q) of the receiving pixel, where an upright iris gives
 //! an exact uniform disc of radius `R s |1/z - w(q)|` pixels, however much the plane of focus tilts.
+//!
+//! Light must be linear and may be brighter than white. Where it was clipped at white, [`Highlights`] can guess it back
+//! first, so that lamps out of focus become bright discs.
 
 mod apply;
+mod cells;
+mod color_pyramid;
 mod depth_pyramid;
 mod error;
 mod fetch_radius;
@@ -22,7 +27,10 @@ mod fill;
 mod forest;
 mod fragment;
 mod gather;
+mod highlights;
 mod kernel;
+mod lattice;
+mod lattice_sum;
 mod lens_map;
 mod lens_points;
 mod lens_ray;
@@ -38,11 +46,14 @@ mod surface;
 mod tap;
 mod tiles;
 mod unmix;
+mod upsample;
 mod view;
 
 pub use apply::{Filtered, Method, apply, coc_radius_px, reach_px};
 pub use error::FilterError;
 pub use gather::{GatherSettings, Sides};
+pub use highlights::Highlights;
 pub use lens_map::KernelRule;
 pub use lens_rays::LensRaysSettings;
+pub use predicted::{ErrorCause, PredictedError};
 pub use view::FrameView;

@@ -64,7 +64,7 @@ fn pieces(prepared: &Prepared) -> Vec<Piece> {
     let place = |i: usize| (window.x + i as i32 % window.width as i32, window.y + i as i32 / window.width as i32);
     let of_first = (0..window.area()).filter(|&i| first.cover[i] > 0.0).map(|i| {
         let (x, y) = place(i);
-        let (inverse_depth, slope) = (first.inverse_depth[i], first.slope[i]);
+        let (inverse_depth, slope) = (first.inverse_depth[i], first.slope(i));
         Piece { x, y, inverse_depth, slope, cover: first.cover[i], rgba: first.rgba[i] }
     });
     let of_fragments = prepared.fragments.iter().map(|f| {

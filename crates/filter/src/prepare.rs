@@ -5,6 +5,7 @@ use rgbd::PixelWindow;
 
 use crate::{
     FrameView, Sides,
+    cells::Cells,
     fill::{FillLimits, fill},
     fragment::Fragment,
     surface::{Surface, pixel_q},
@@ -20,6 +21,8 @@ pub(crate) struct Prepared {
     pub(crate) first: Surface,
     /// Everything else, by pixel.
     pub(crate) fragments: Vec<Fragment>,
+    /// The cells of the first surface.
+    pub(crate) cells: Cells,
     /// How far the first layer's colour may be off, by pixel: at silhouettes, and where the depth is a guess.
     pub(crate) doubt: Vec<f32>,
 }
@@ -34,7 +37,8 @@ impl Prepared {
         hidden.iter_mut().for_each(|surface| smooth(surface, jump));
 
         // Give silhouette pixels to both their surfaces
-        let splits = splits(&first, &hidden, jump);
+        let cells = Cells::new(&first, jump);
+        let splits = splits(&first, &cells, &hidden, jump);
         let mut fragments = Vec::new();
         let mut doubt = vec![0.0; first.cover.len()];
         for split in &splits {
@@ -69,16 +73,17 @@ impl Prepared {
                 index: i as u32,
                 cover: surface.cover[i],
                 inverse_depth: surface.inverse_depth[i],
-                slope: surface.slope[i],
+                slope: surface.slope(i),
                 rgba: surface.rgba[i],
                 doubt: 0.0,
             }));
         }
         fragments.extend(filled);
         fragments.sort_by_key(|fragment| fragment.index);
-        let mut prepared = Self { first, fragments, doubt };
+        let mut prepared = Self { first, fragments, cells, doubt };
         if sides != Sides::Both {
             prepared.sharpen(view, camera, sides);
+            prepared.cells = prepared.cells.with_ranges_of(&prepared.first);
         }
         prepared
     }
@@ -90,11 +95,8 @@ impl Prepared {
             let (x, y) = (i as i32 % window.width as i32 + window.x, i as i32 / window.width as i32 + window.y);
             camera.focus.inverse_depth(pixel_q(view, camera, x, y)) as f32
         };
-        for (i, (s, slope)) in self.first.inverse_depth.iter_mut().zip(&mut self.first.slope).enumerate() {
-            let limited = sides.limited(*s, focus(i));
-            if limited != *s {
-                (*s, *slope) = (limited, [0.0; 2]);
-            }
+        for (i, s) in self.first.inverse_depth.iter_mut().enumerate() {
+            *s = sides.limited(*s, focus(i));
         }
         for fragment in &mut self.fragments {
             let limited = sides.limited(fragment.inverse_depth, focus(fragment.index as usize));
@@ -113,7 +115,7 @@ impl Prepared {
         let empty = || Surface {
             window: first.window,
             inverse_depth: vec![0.0; first.cover.len()],
-            slope: vec![[0.0; 2]; first.cover.len()],
+            slopes: vec![[0.0; 2]; first.cover.len()],
             rgba: vec![[0.0; 4]; first.cover.len()],
             cover: vec![0.0; first.cover.len()],
         };
@@ -146,7 +148,7 @@ impl Surface {
     fn put(&mut self, fragment: &Fragment) {
         let i = fragment.index as usize;
         self.inverse_depth[i] = fragment.inverse_depth;
-        self.slope[i] = fragment.slope;
+        self.slopes[i] = fragment.slope;
         self.rgba[i] = fragment.rgba;
         self.cover[i] = fragment.cover;
     }
@@ -158,14 +160,14 @@ fn smooth(surface: &mut Surface, jump: f32) {
     let width = window.width as i32;
     let smoothed = |i: usize| {
         let (x, y) = (i as i32 % width, i as i32 / width);
-        let (mut sum, mut total) = (surface.rgba[i], 1.0);
+        let (mut sum, mut total, slope) = (surface.rgba[i], 1.0, surface.slope(i));
         for (dx, dy) in neighbours(1) {
             let (u, v) = (x + dx, y + dy);
             if u < 0 || v < 0 || u >= width || v >= window.height as i32 {
                 continue;
             }
             let j = (v * width + u) as usize;
-            let rise = surface.slope[i][0] * dx as f32 + surface.slope[i][1] * dy as f32;
+            let rise = slope[0] * dx as f32 + slope[1] * dy as f32;
             if surface.cover[j] == 1.0 && (surface.inverse_depth[j] - surface.inverse_depth[i] - rise).abs() < jump {
                 let weight = if dx * dy == 0 { HIDDEN_TENT } else { HIDDEN_TENT * HIDDEN_TENT };
                 sum.iter_mut().zip(surface.rgba[j]).for_each(|(sum, c)| *sum += weight * c);

@@ -189,7 +189,7 @@ impl<S: Simd> Hidden<S> {
     }
 }
 
-/// Gathers the row at `y` of a block, nearest slab first, until the iris of each pixel is full.
+/// Gathers the row at `y` of a block, whose pixels lie `step` apart, nearest slab first, until the iris of each pixel is full.
 ///
 /// `defocus` is what the defocus of everything is more at each pixel than at the block's centre, in pixels.
 #[inline(always)]
@@ -199,11 +199,11 @@ pub(crate) fn gather_row<S: Simd, F: Footprint, const DOUBT: bool>(
     shared: &Shared,
     taps: &[BlockTap],
     slabs: &[Slab],
-    y: f32,
+    (step, y): (f32, f32),
     defocus: &[f32; LANES],
 ) -> Row {
     let zero = f32x8::splat(simd, 0.0);
-    let x = f32x8::from_slice(simd, &[-3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5]);
+    let x = f32x8::from_slice(simd, &[-3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5]) * step;
     let (mut full, mut rgba, mut doubt) = (zero, [zero; 4], zero);
     // What hides the slabs to come, and the last slab, which hides only what does not touch it
     let (mut seen, mut last, mut last_bin) = ([zero; 3], [zero; 3], f32x8::splat(simd, f32::MAX));

@@ -24,12 +24,12 @@ pub(crate) struct Surface {
     pub(crate) window: PixelWindow,
     /// 1/z in 1 / scene units; 0 for the sky.
     pub(crate) inverse_depth: Vec<f32>,
-    /// Change of inverse depth per pixel in x and y on the surface itself.
-    pub(crate) slope: Vec<[f32; 2]>,
     /// Premultiplied colour.
     pub(crate) rgba: Vec<[f32; 4]>,
     /// How much of the pixel it fills: 1 in the first layer, alpha in hidden ones; 0 where there is nothing.
     pub(crate) cover: Vec<f32>,
+    /// Change of inverse depth per pixel in x and y; empty in the first layer, where it is the one of the pixels around.
+    pub(crate) slopes: Vec<[f32; 2]>,
 }
 
 impl Surface {
@@ -43,9 +43,9 @@ impl Surface {
         let mut surface = Self {
             window,
             inverse_depth: vec![0.0; window.area()],
-            slope: vec![[0.0; 2]; window.area()],
             rgba: vec![[0.0; 4]; window.area()],
             cover: vec![1.0; window.area()],
+            slopes: Vec::new(),
         };
         let rows = surface.rgba.par_chunks_mut(width).zip(surface.cover.par_chunks_mut(width));
         let rows = rows.zip(surface.inverse_depth.par_chunks_mut(width)).enumerate();
@@ -54,51 +54,56 @@ impl Surface {
             let start = data.index(window.x, y);
             let part = start..start + width;
             let [r, g, b, a] = [r, g, b, a].map(|plane| &plane.values()[part.clone()]);
-            for x in 0..width {
-                rgba[x] = [r[x], g[x], b[x], a[x]].map(finite);
+            for ((((rgba, &r), &g), &b), &a) in rgba.iter_mut().zip(r).zip(g).zip(b).zip(a) {
+                *rgba = [r, g, b, a].map(finite);
             }
             // The first layer always fills its pixel: its alpha is part of the colour. A hidden one fills what alpha says
             let known = &layer.known.bits()[part.clone()];
             if index > 0 {
-                for x in 0..width {
-                    cover[x] = if known[x] && rgba[x][3] >= LEAST_COVER { rgba[x][3].min(1.0) } else { 0.0 };
+                for ((cover, &known), rgba) in cover.iter_mut().zip(known).zip(rgba.iter()) {
+                    *cover = if known && rgba[3] >= LEAST_COVER { rgba[3].min(1.0) } else { 0.0 };
                 }
             }
-            let depth = &layer.depth.values()[part];
-            for x in 0..width {
-                inverse[x] = if known[x] {
-                    (1.0 / depth[x]).min(NEAREST)
-                } else if cover[x] > 0.0 {
-                    inverse_depth(view, camera, layer, window.x + x as i32, y)
-                } else {
-                    0.0
-                };
+            for (inverse, &depth) in inverse.iter_mut().zip(&layer.depth.values()[part]) {
+                *inverse = (1.0 / depth).min(NEAREST);
+            }
+            for x in (0..width).filter(|&x| !known[x]) {
+                let guess = cover[x] > 0.0;
+                inverse[x] = if guess { inverse_depth(view, camera, layer, window.x + x as i32, y) } else { 0.0 };
             }
         });
 
-        let mut slope = std::mem::take(&mut surface.slope);
-        slope.par_chunks_mut(width).enumerate().for_each(|(row, slopes)| {
-            for (column, slope) in slopes.iter_mut().enumerate() {
-                *slope = surface.slope_at(window.x + column as i32, window.y + row as i32);
-            }
-        });
-        surface.slope = slope;
+        // Pixels of hidden layers will be dropped, so that their slopes are taken now
+        if index > 0 {
+            let slope = |i: usize| surface.slope_of_neighbours(i);
+            surface.slopes = (0..window.area()).into_par_iter().map(slope).collect();
+        }
         surface
+    }
+
+    /// Change of inverse depth per pixel in x and y on the surface itself.
+    #[inline(always)]
+    pub(crate) fn slope(&self, i: usize) -> [f32; 2] {
+        if self.slopes.is_empty() { self.slope_of_neighbours(i) } else { self.slopes[i] }
     }
 
     /// The flatter of the two one-sided slopes on each axis: exact on a plane, and at an edge that of the side the pixel
     /// lies on.
-    fn slope_at(&self, x: i32, y: i32) -> [f32; 2] {
-        let value = |x, y| {
-            let i = self.window.contains(x, y).then(|| self.window.index(x, y))?;
-            (self.cover[i] > 0.0).then_some(self.inverse_depth[i])
+    fn slope_of_neighbours(&self, i: usize) -> [f32; 2] {
+        let (width, count) = (self.window.width as usize, self.cover.len());
+        if self.cover[i] <= 0.0 {
+            return [0.0; 2];
+        }
+        let here = self.inverse_depth[i];
+        let axis = |step: usize, is_inside: bool| {
+            if is_inside && self.cover[i - step] > 0.0 && self.cover[i + step] > 0.0 {
+                flatter(here - self.inverse_depth[i - step], self.inverse_depth[i + step] - here)
+            } else {
+                0.0
+            }
         };
-        let Some(here) = value(x, y) else { return [0.0; 2] };
-        let axis = |dx: i32, dy: i32| match (value(x - dx, y - dy), value(x + dx, y + dy)) {
-            (Some(before), Some(after)) => flatter(here - before, after - here),
-            _ => 0.0,
-        };
-        [axis(1, 0), axis(0, 1)]
+        let column = i % width;
+        [axis(1, column > 0 && column + 1 < width), axis(width, i >= width && i + width < count)]
     }
 }
 
@@ -113,7 +118,9 @@ fn flatter(a: f32, b: f32) -> f32 {
     }
 }
 
-fn finite(value: f32) -> f32 {
+/// A colour of a file, made finite.
+#[inline(always)]
+pub(crate) fn finite(value: f32) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(-BRIGHTEST, BRIGHTEST) }
 }
 

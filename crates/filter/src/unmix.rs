@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use crate::surface::Surface;
+use crate::{cells::Cells, surface::Surface};
 
 /// How far pure pixels are looked for.
 pub(crate) const UNMIX_REACH: i32 = 3;
@@ -51,15 +51,16 @@ pub(crate) fn least_jump(px: f32) -> f32 {
 }
 
 /// The silhouette pixels of the first surface, row by row; `behind` holds what hidden layers know there.
-pub(crate) fn splits(first: &Surface, behind: &[Surface], jump: f32) -> Vec<Split> {
+pub(crate) fn splits(first: &Surface, cells: &Cells, behind: &[Surface], jump: f32) -> Vec<Split> {
     let window = first.window;
     let width = window.width as usize;
 
     // Find out on which side of a jump each pixel lies
     let mut sides = vec![Side::Pure; window.area()];
-    sides.par_chunks_mut(width).enumerate().for_each(|(row, sides)| mark_sides(first, row, jump, sides));
+    sides.par_chunks_mut(width).enumerate().for_each(|(row, sides)| mark_sides(first, cells, row, jump, sides));
 
-    let splitter = Splitter { first, behind, sides: &sides, jump };
+    let nearness = std::array::from_fn(|squared| (-0.5 * squared as f32 / NEARNESS).exp());
+    let splitter = Splitter { first, behind, sides: &sides, jump, nearness };
     let rows: Vec<Vec<Split>> = (0..window.height as usize)
         .into_par_iter()
         .map(|row| {
@@ -87,12 +88,12 @@ enum Side {
 }
 
 /// The sides of one row's pixels.
-fn mark_sides(surface: &Surface, row: usize, jump: f32, sides: &mut [Side]) {
+fn mark_sides(surface: &Surface, cells: &Cells, row: usize, jump: f32, sides: &mut [Side]) {
     let width = surface.window.width as usize;
     let last_row = surface.window.height as usize - 1;
     let depth = |row: usize| &surface.inverse_depth[row * width..(row + 1) * width];
     let (above, here, below) = (depth(row.saturating_sub(1)), depth(row), depth((row + 1).min(last_row)));
-    for x in 0..width {
+    for x in cells.edges_of_row(row).flatten() {
         let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
         let around =
             [above[left], above[x], above[right], here[left], here[right], below[left], below[x], below[right]];
@@ -101,7 +102,7 @@ fn mark_sides(surface: &Surface, row: usize, jump: f32, sides: &mut [Side]) {
         if high - here[x] <= jump && here[x] - low <= jump {
             continue;
         }
-        let [dx, dy] = surface.slope[row * width + x];
+        let [dx, dy] = surface.slope(row * width + x);
         let rise = [-dx - dy, -dy, dx - dy, -dx, dx, dy - dx, dy, dx + dy];
         for (there, rise) in around.into_iter().zip(rise) {
             let step = there - here[x] - rise;
@@ -162,6 +163,8 @@ struct Splitter<'a> {
     behind: &'a [Surface],
     sides: &'a [Side],
     jump: f32,
+    /// Weights by squared distance.
+    nearness: [f32; (2 * UNMIX_REACH * UNMIX_REACH + 1) as usize],
 }
 
 impl Splitter<'_> {
@@ -223,7 +226,7 @@ impl Splitter<'_> {
     fn guesses(&self, index: usize) -> (Option<Guess>, Option<Guess>, f32) {
         let width = self.first.window.width as usize;
         let (x, y) = ((index % width) as i32, (index / width) as i32);
-        let (here, slope) = (self.first.inverse_depth[index], self.first.slope[index]);
+        let (here, slope) = (self.first.inverse_depth[index], self.first.slope(index));
         let is_near = self.sides[index] == Side::Near;
         let [mut own, mut own_mixed, mut other, mut other_mixed] = [Guess::default(); 4];
         let mut tent = 0.25;
@@ -246,8 +249,8 @@ impl Splitter<'_> {
                 (false, true) => &mut own,
                 (false, false) => &mut own_mixed,
             };
-            let weight = (-0.5 * (dx * dx + dy * dy) as f32 / NEARNESS).exp();
-            guess.add(weight, self.first.rgba[i], self.first.inverse_depth[i], self.first.slope[i], (dx, dy));
+            let weight = self.nearness[(dx * dx + dy * dy) as usize];
+            guess.add(weight, self.first.rgba[i], self.first.inverse_depth[i], self.first.slope(i), (dx, dy));
         }
         (own.mean().or_else(|| own_mixed.mean()), other.mean().or_else(|| other_mixed.mean()), tent)
     }
@@ -257,7 +260,7 @@ impl Splitter<'_> {
         let farther = self.first.inverse_depth[index] - self.jump;
         let surface = self.behind.iter().find(|s| s.cover[index] > 0.5 && s.inverse_depth[index] < farther)?;
         let rgba = surface.rgba[index].map(|c| c / surface.cover[index]);
-        let (depth, slope) = (surface.inverse_depth[index], surface.slope[index]);
+        let (depth, slope) = (surface.inverse_depth[index], surface.slope(index));
         Some(Guess { weight: 1.0, rgba, variance: 0.0, depth, nearest: depth, slope })
     }
 }

@@ -171,6 +171,15 @@ impl Frame {
         self
     }
 
+    /// The same frame with the colour (premultiplied, linear) of every pixel of every layer replaced by a function of it.
+    #[must_use]
+    pub fn map_color(mut self, color: impl Fn([f32; 4]) -> [f32; 4]) -> Self {
+        for layer in &mut self.layers {
+            layer.color = layer.color.map(&color);
+        }
+        self
+    }
+
     /// The same frame with data for all of `window` too: what is added is empty (alpha 0) and infinitely far, which is
     /// what a data window smaller than the picture means. Further planes are 0 there.
     #[must_use]

@@ -33,6 +33,12 @@ impl Picture {
         picture
     }
 
+    /// The picture of each colour's function.
+    #[must_use]
+    pub fn map(&self, rgba: impl Fn([f32; 4]) -> [f32; 4]) -> Self {
+        Self::from_fn(self.window(), |x, y| rgba(self.at(x, y)))
+    }
+
     /// The pixels it covers.
     #[must_use]
     pub fn window(&self) -> PixelWindow {

@@ -98,6 +98,14 @@ impl PixelWindow {
         }
     }
 
+    /// The smallest window around it whose corners lie at multiples of `side` pixels, which must be positive.
+    #[must_use]
+    pub fn aligned_to(&self, side: i32) -> Self {
+        let down = |at: i32| at.div_euclid(side) * side;
+        let up = |at: i32| -down(-at);
+        Self::from_corners(down(self.x), down(self.y), up(self.x_end()), up(self.y_end()))
+    }
+
     /// Row-major index of a pixel, which must lie in the window (checked in debug builds).
     #[must_use]
     pub fn index(&self, x: i32, y: i32) -> usize {

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use ::filter::{FrameView, GatherSettings, KernelRule, LensRaysSettings, Method, Sides, apply, coc_radius_px};
+use ::filter::{
+    FrameView, GatherSettings, Highlights, KernelRule, LensRaysSettings, Method, Sides, apply, coc_radius_px,
+};
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use optics::{Camera, Film, KernelModel, Pose, ThinLens};
@@ -51,6 +53,8 @@ pub(crate) struct Options {
     #[command(flatten)]
     method: MethodOptions,
     #[command(flatten)]
+    highlights: HighlightOptions,
+    #[command(flatten)]
     lens: LensOptions,
     #[command(flatten)]
     film: FilmOptions,
@@ -86,6 +90,27 @@ pub(crate) struct MethodOptions {
     /// What is blurred (methods gather and merged).
     #[arg(long, value_enum, default_value_t)]
     blur: Blur,
+}
+
+/// How much light clipped highlights get back.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Clipped highlights")]
+pub(crate) struct HighlightOptions {
+    /// Take what was clipped at white (1.0) to have been this many times as bright, so that lamps out of focus become
+    /// bright discs; the result is not clipped again. For pictures made for a display; nothing is raised without.
+    #[arg(long, value_name = "GAIN")]
+    highlight_gain: Option<f32>,
+    /// Linear value from which on a pixel counts as partly clipped (with --highlight-gain).
+    #[arg(long, value_name = "VALUE", requires = "highlight_gain", allow_negative_numbers = true,
+          default_value_t = Highlights::DEFAULT_THRESHOLD)]
+    highlight_threshold: f32,
+}
+
+impl HighlightOptions {
+    /// What was asked for, if anything.
+    fn highlights(&self) -> Result<Option<Highlights>, ::filter::FilterError> {
+        self.highlight_gain.map(|gain| Highlights::new(gain, self.highlight_threshold)).transpose()
+    }
 }
 
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
@@ -157,6 +182,7 @@ impl MethodOptions {
 pub(crate) fn run(options: &Options) -> Outcome {
     options.film.check()?;
     options.lens.check()?;
+    let highlights = options.highlights.highlights()?;
     expect_exr(&options.output)?;
     let outputs: Vec<&Path> = [Some(options.output.as_path()), options.png.as_deref()].into_iter().flatten().collect();
     refuse_overwriting(&[&options.input], &outputs)?;
@@ -182,6 +208,12 @@ pub(crate) fn run(options: &Options) -> Outcome {
     }
     let iris = camera.iris.with_radius(camera.iris.radius() * scale)?;
     let camera = Camera { iris, ..camera };
+
+    // Give highlights back what clipping took
+    let frame = match highlights {
+        Some(highlights) => recover(&highlights, frame),
+        None => frame,
+    };
 
     // Filter it
     let method = options.method.method(options.predicted_error);
@@ -212,7 +244,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let notes = notes([("method", method.name().to_owned()), kernel, ("input", options.input.display().to_string())]);
     let sensor_mm = lens.map(|lens| sensor_mm(&camera, &lens));
     let coc = options.coc.then(|| coc_radius_px(&FrameView::whole(&frame), &camera).cropped(display));
-    let planes = [("coc", coc.as_ref()), ("predicted_error", filtered.predicted_error.as_ref())];
+    let planes =
+        [("coc", coc.as_ref()), ("predicted_error", filtered.predicted_error.as_ref().map(|error| &error.total))];
     let planes: Vec<_> = planes.into_iter().filter_map(|(name, plane)| Some((name, plane?))).collect();
     write_picture_with(
         &options.output,
@@ -227,6 +260,18 @@ pub(crate) fn run(options: &Options) -> Outcome {
         say(format_args!("wrote {}", png.display()));
     }
     Ok(())
+}
+
+/// Raises highlights and says how many there were.
+fn recover(highlights: &Highlights, frame: Frame) -> Frame {
+    let color = &frame.layers()[0].color;
+    let raised = color.window().pixels().filter(|&(x, y)| {
+        let was = color.at(x, y);
+        highlights.recovered(was).iter().zip(was).any(|(&now, was)| now > was)
+    });
+    let share = 100.0 * raised.count() as f64 / frame.data().area() as f64;
+    say(format_args!("highlights raised in {share:.2} % of the pixels"));
+    highlights.recover(frame)
 }
 
 /// Sensor size in mm that the window stands for at the lens's image distance.

@@ -1,0 +1,180 @@
+//! Eight cells of two rows sum up their neighbours, in vectors.
+
+use fearless_simd::{f32x8, prelude::*};
+
+/// Cells of a row that a vector may start at, and the room for it.
+const STARTS: usize = 128;
+pub(crate) const SPAN: usize = STARTS + LANES;
+
+/// Cells that are summed up together.
+pub(crate) const LANES: usize = 8;
+
+/// The sum of the weights, then red, green, blue and alpha, divided by it.
+pub(crate) const CHANNELS: usize = 5;
+
+/// A row of cells: kernels that are 1 inside, `min(max(a - b m, 0), 1)` of the metric m of an offset in cells, and weights.
+pub(crate) struct Row {
+    pub(crate) a: [f32; SPAN],
+    pub(crate) b: [f32; SPAN],
+    pub(crate) weight: [f32; SPAN],
+    /// Colour times weight.
+    pub(crate) rgba: [[f32; SPAN]; 4],
+    /// Change of a per cell of defocus.
+    pub(crate) turn: [f32; SPAN],
+    /// One over the defocus, no more than 1.
+    pub(crate) inverse: [f32; SPAN],
+    /// The share of the outline that is upside down.
+    pub(crate) mirrored: [f32; SPAN],
+    /// Offsets of a larger metric receive nothing from this row.
+    pub(crate) limit: f32,
+}
+
+impl Default for Row {
+    fn default() -> Self {
+        let line = [0.0; SPAN];
+        Self { a: line, b: line, weight: line, rgba: [line; 4], turn: line, inverse: line, mirrored: line, limit: 0.0 }
+    }
+}
+
+impl Row {
+    /// Forgets what its first `count` cells and the vector after them hold.
+    pub(crate) fn clear(&mut self, count: usize) {
+        let Self { a, b, weight, rgba, turn, inverse, mirrored, limit } = self;
+        *limit = 0.0;
+        for line in [a, b, weight, turn, inverse, mirrored].into_iter().chain(rgba) {
+            line[..(count + LANES).min(SPAN)].fill(0.0);
+        }
+    }
+}
+
+/// Where a neighbour lies.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Offset {
+    /// Metric of its offset, and of the opposite one.
+    pub(crate) metric: f32,
+    pub(crate) mirrored: f32,
+    /// What its defocus is more, for the focus of the receiving cell, in cells.
+    pub(crate) bend: f32,
+    /// w R e_z . u of the exact footprint.
+    pub(crate) skew: f32,
+}
+
+/// A neighbour that two rows receive from.
+type Pair = [Offset; 2];
+
+/// Neighbours in one row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Span {
+    first: usize,
+    start: usize,
+    end: usize,
+}
+
+/// Of which neighbours cells receive, row by row.
+#[derive(Debug, Default)]
+pub(crate) struct Offsets {
+    /// Cells to each side.
+    pub(crate) reach: i32,
+    /// For each row from `-reach` to `reach + 1` below the upper cell: where its first neighbour stands in a row that
+    /// starts `reach` before the cell, and its neighbours in `pairs`.
+    rows: Vec<Span>,
+    pairs: Vec<Pair>,
+}
+
+impl Offsets {
+    /// Takes the offsets that are wanted, up to `reach` in each direction.
+    pub(crate) fn fill(&mut self, reach: i32, offset: impl Fn(i32, i32) -> (Offset, bool)) {
+        self.reach = reach;
+        self.rows.clear();
+        self.pairs.clear();
+        for dy in -reach..=reach + 1 {
+            let is_wanted = |dx: &i32| {
+                let upper = dy <= reach && offset(*dx, dy).1;
+                upper || (dy > -reach && offset(*dx, dy - 1).1)
+            };
+            let first = (-reach..=reach).find(is_wanted).unwrap_or(0);
+            let last = (first..=reach).rev().find(is_wanted).unwrap_or(first - 1);
+            let start = self.pairs.len();
+            self.pairs.extend((first..=last).map(|dx| [offset(dx, dy).0, offset(dx, dy - 1).0]));
+            self.rows.push(Span { first: (first + reach) as usize, start, end: self.pairs.len() });
+        }
+    }
+
+    /// Of which neighbours cells receive from certain rows, the first of which lies `reach` above them: without those at
+    /// both ends that lie beyond a row's limit.
+    pub(crate) fn spans(&self, rows: &[Row], spans: &mut Vec<Span>) {
+        spans.clear();
+        spans.extend(rows.iter().zip(&self.rows).map(|(row, span)| {
+            let is_near = |pair: &Pair| pair.iter().any(|offset| offset.metric.min(offset.mirrored) <= row.limit);
+            let pairs = &self.pairs[span.start..span.end];
+            let Some(before) = pairs.iter().position(is_near) else { return Span { end: span.start, ..*span } };
+            let after = pairs.iter().rev().position(is_near).unwrap_or(0);
+            Span { first: span.first + before, start: span.start + before, end: span.end - after }
+        }));
+    }
+}
+
+/// What the eight cells from column `x` on receive, in two rows; `rows` starts `reach` above the upper one. Cells that receive
+/// nothing are 0. Alpha is 1 if all is `OPAQUE`.
+#[inline(always)]
+pub(crate) fn sum<S: Simd, const BENT: bool, const ODD: bool, const OPAQUE: bool>(
+    simd: S,
+    rows: &[Row],
+    spans: &[Span],
+    offsets: &Offsets,
+    x: usize,
+) -> [[[f32; LANES]; CHANNELS]; 2] {
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    let channels = if OPAQUE { CHANNELS - 1 } else { CHANNELS };
+    let mut sums = [[zero; CHANNELS]; 2];
+    for (row, span) in rows.iter().zip(spans) {
+        for (k, pair) in offsets.pairs[span.start..span.end].iter().enumerate() {
+            // The mask tells the compiler that the vector lies within the line
+            let i = (x + span.first + k) & (STARTS - 1);
+            let at = |line: &[f32; SPAN]| f32x8::from_slice(simd, &line[i..i + LANES]);
+            let (a, b) = (at(&row.a), at(&row.b));
+            for (sums, offset) in sums.iter_mut().zip(pair) {
+                let cover = |metric: f32| {
+                    let mut metric = f32x8::splat(simd, metric);
+                    if BENT {
+                        let lean = at(&row.inverse) * offset.skew;
+                        metric *= lean.mul_add(lean * 3.0 - 2.0, one);
+                    }
+                    let mut cover = a - b * metric;
+                    if BENT {
+                        cover = at(&row.turn).mul_add(f32x8::splat(simd, offset.bend), cover);
+                    }
+                    cover.max(0.0).min(1.0)
+                };
+                let mut share = cover(offset.metric);
+                if ODD {
+                    share = (cover(offset.mirrored) - share).mul_add(at(&row.mirrored), share);
+                }
+                if BENT {
+                    // 1 / (1 + change of the defocus)^3, to second order
+                    let change = at(&row.inverse) * offset.bend;
+                    share *= change.mul_add(change * 6.0 - 3.0, one);
+                }
+                sums[0] = share.mul_add(at(&row.weight), sums[0]);
+                for (sum, line) in sums[1..channels].iter_mut().zip(&row.rgba) {
+                    *sum = share.mul_add(at(line), *sum);
+                }
+            }
+        }
+    }
+
+    let mut result = [[[0.0; LANES]; CHANNELS]; 2];
+    for (result, mut sums) in result.iter_mut().zip(sums) {
+        let is_there = sums[0].simd_gt(0.0);
+        // A quotient and no product, so that alpha is 1 in the same bits whether it is summed up or known
+        let total = is_there.select(sums[0], one);
+        sums[1..].iter_mut().for_each(|sum| *sum = *sum / total);
+        if OPAQUE {
+            sums[CHANNELS - 1] = is_there.select(one, zero);
+        }
+        for (result, sum) in result.iter_mut().zip(sums) {
+            sum.store_slice(result);
+        }
+    }
+    result
+}
