@@ -12,6 +12,8 @@ fn at_one_depth_the_light_is_kept_for_every_iris_and_radius() {
     // A patch of noise on a black wall, its borders farther than twice the blur. Every pixel of the wall has the same kernel, so
     // that what the weights fall short of 1 is made up for by the normalisation
     const KEPT: f64 = 1e-4;
+    // Between cells colours are kept within those around, so that no lamp leaves a dark ring: 1.03e-4 at worst here
+    const KEPT_MERGED: f64 = 1.5e-4;
     let display = PixelWindow::of_size(160, 160);
     let lit = PixelWindow { x: 61, y: 66, width: 37, height: 31 };
     let wall = layer(
@@ -45,11 +47,11 @@ fn at_one_depth_the_light_is_kept_for_every_iris_and_radius() {
                     max_radius_px: Some(64.0),
                     ..GatherSettings::default()
                 };
-                for method in [Method::Gather(settings), Method::Merged(settings)] {
+                for (method, kept) in [(Method::Gather(settings), KEPT), (Method::Merged(settings), KEPT_MERGED)] {
                     let picture = filtered(&frame, &camera, &method);
                     let found = sum(&frame, |x, y| picture.at(x, y)[0]);
                     let off = found / given - 1.0;
-                    assert!(off.abs() <= KEPT, "{} {shape:?} {model:?} radius {radius}: off by {off:e}", method.name());
+                    assert!(off.abs() <= kept, "{} {shape:?} {model:?} radius {radius}: off by {off:e}", method.name());
                 }
             }
         }
