@@ -289,8 +289,14 @@ mod tests {
                 } else {
                     assert!(mean <= MEAN && high <= HIGH && worst <= WORST, "{what}");
                 }
-                // Levels differ by rounding alone, whatever the lens
+                // Levels differ by rounding alone, whatever the lens; merged ones too
                 assert!(differences(&found, &best)[2] <= ROUNDING, "{name}: {level:?} is not {:?}", Level::new());
+                let merged = |level| {
+                    let run = GatherRun { merge: true, ..run(model, level) };
+                    gather(&view, &camera, &run, DISPLAY, &Silent).unwrap().picture
+                };
+                let off = differences(&merged(level), &merged(Level::new()))[2];
+                assert!(off <= ROUNDING, "{name}, merged: {level:?} is not {:?}: {off:e}", Level::new());
             }
         }
     }
