@@ -28,17 +28,18 @@ use optics::{Camera, KernelModel};
 use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
 use crate::{
-    FrameView, KernelRule,
-    cells::{BLOCK, blocks_of},
+    FrameView, Sides,
+    cells::{BLOCK, Range, blocks_of},
     forest::{Forest, Piece},
     kernel::KernelTable,
-    lattice::{self, Lattice, LatticeScratch, TileFocus},
+    lattice::{self, Lattice, LatticeScratch},
     lens_map::PixelLens,
     prepare::Prepared,
     row::{BlockTap, Footprint, LANES, Round, Row, Shaped, Shared, Slab, gather_row},
     tap::Weight,
     tiles::{TILE, by_tiles},
     upsample::{MARGIN, upsample},
+    view_lens::{TileLens, ViewLens},
 };
 
 /// Depth of a slab in pixels of blur radius: surfaces nearer to each other do not hide one another.
@@ -64,63 +65,9 @@ fn block_rows(spread: f32) -> u32 {
     }
 }
 
-/// Settings of [`Method::Gather`](crate::Method::Gather) and [`Method::Merged`](crate::Method::Merged).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GatherSettings {
-    /// Shape of the footprint.
-    pub kernel: KernelRule,
-    /// Largest radius of the circle of confusion in pixels; larger ones are cut to it. `None`: a quarter of the display
-    /// window's width.
-    pub max_radius_px: Option<f32>,
-    /// How many of the frame's layers to use; 1 ignores hidden ones.
-    pub layers: usize,
-    /// What is blurred at all.
-    pub sides: Sides,
-    /// Whether [`Filtered::predicted_error`](crate::Filtered::predicted_error) is wanted too (not by
-    /// [`Method::OwnCoc`](crate::Method::OwnCoc)).
-    pub predict_error: bool,
-}
-
-/// On which side of the plane of focus things are blurred.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Sides {
-    /// On both.
-    #[default]
-    Both,
-    /// Only what is nearer than the plane of focus; the rest stays sharp.
-    Near,
-    /// Only what is farther.
-    Far,
-}
-
-impl Sides {
-    /// The inverse depth that a surface at `inverse_depth` is blurred with where `focus` is the inverse depth of focus.
-    pub(crate) fn limited(self, inverse_depth: f32, focus: f32) -> f32 {
-        match self {
-            Self::Both => inverse_depth,
-            Self::Near => inverse_depth.max(focus),
-            Self::Far => inverse_depth.min(focus),
-        }
-    }
-}
-
-impl Default for GatherSettings {
-    fn default() -> Self {
-        Self {
-            kernel: KernelRule::default(),
-            max_radius_px: None,
-            layers: usize::MAX,
-            sides: Sides::Both,
-            predict_error: false,
-        }
-    }
-}
-
 /// What all tiles share.
 pub(crate) struct Gather<'a> {
-    view: &'a FrameView<'a>,
-    camera: &'a Camera,
-    model: KernelModel,
+    lens: ViewLens<'a>,
     max_radius: f32,
     /// Blur radius in pixels of a unit of inverse depth.
     px: f32,
@@ -175,10 +122,10 @@ pub(crate) fn gather(
     let forest = Forest::new(&prepared, px, if run.merge { merged.min(4) } else { 0 });
     let table = KernelTable::new(camera.iris.shape());
     let GatherRun { model, max_radius, merge, level, .. } = *run;
-    let mut job = Gather { view, camera, model, max_radius, px, forest, lattice: None, table, merge };
-    if merge {
-        job.lattice = Some(job.lattice(&prepared, run.largest_radius));
-    }
+    let lens = ViewLens { view, camera, model };
+    let limits = [max_radius, run.largest_radius];
+    let lattice = merge.then(|| Lattice::new(&lens, &prepared.first, &prepared.cells, &table, limits));
+    let job = Gather { lens, max_radius, px, forest, lattice, table, merge };
     let round = model == KernelModel::Disc && camera.iris.shape() == optics::ApertureShape::Disc;
 
     let channels = if run.doubt { 6 } else { 4 };
@@ -195,29 +142,6 @@ pub(crate) fn gather(
     let picture = Picture::from_planes(picture).expect("planes of one window");
     let doubt = run.doubt.then(|| [(); 2].map(|()| planes.next().expect("two planes")));
     Ok(Gathered { picture, doubt })
-}
-
-/// The lens over a tile.
-struct TileLens {
-    center: PixelLens,
-    /// Smallest and largest focus over the tile.
-    focus: [f32; 2],
-    /// By how much the defocus differs at most from that at the centre, in pixels.
-    spread: f32,
-    stretch: f32,
-}
-
-impl TileLens {
-    /// How far a range of inverse depth may reach, in pixels.
-    fn reach(&self, [far, near]: [f32; 2], max_radius: f32) -> f32 {
-        let defocus = (near - self.focus[0]).abs().max((far - self.focus[1]).abs());
-        (self.center.widest * defocus).min(max_radius * self.stretch) + 1.5
-    }
-
-    /// The least blur radius that a range of inverse depth has, in pixels.
-    fn least_radius(&self, [far, near]: [f32; 2]) -> f32 {
-        self.center.scale * (far - self.focus[1]).max(self.focus[0] - near).max(0.0)
-    }
 }
 
 /// A piece ready for the blocks of a tile.
@@ -259,68 +183,7 @@ thread_local! {
     static SCRATCH: std::cell::RefCell<Scratch> = std::cell::RefCell::default();
 }
 
-impl<'a> Gather<'a> {
-    /// The pixels that no edge is in sight of.
-    fn lattice(&self, prepared: &'a Prepared, largest_radius: f32) -> Lattice<'a> {
-        // Those of the whole frame, so that bands of it see the same
-        let data = self.view.frame().data();
-        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| {
-            let at = |start: i32, length: u32, k: i32| f64::from(start) + f64::from(k) * f64::from(length);
-            self.lens_at(at(data.x, data.width, x), at(data.y, data.height, y))
-        });
-        let widest = corners.iter().map(|lens| lens.widest).fold(0.0, f32::max);
-        let stretch = corners.iter().map(PixelLens::stretch).fold(1.0, f32::max);
-        let slope = self.focus_slope().map(|s| s * widest);
-        let steepness = slope[0].hypot(slope[1]).min(0.9);
-        let reach = |[far, near]: [f32; 2], x: f32, y: f32| {
-            // The focus changes on the way to who sees it, and over both cells
-            let focus = self.lens_at(f64::from(x), f64::from(y)).focus;
-            let radius = widest * (near - focus).abs().max((far - focus).abs()) + steepness * 2.0 * BLOCK as f32;
-            (radius / (1.0 - steepness)).min(self.max_radius.min(largest_radius) * stretch) + 2.0
-        };
-        let in_sight = prepared.cells.in_sight(reach);
-        let colors = self.view.frame().layers()[0].color.planes();
-        let variance = self.camera.iris.shape().variance() as f32;
-        Lattice::new(
-            &prepared.first,
-            colors,
-            &prepared.cells,
-            in_sight,
-            &self.table,
-            variance,
-            self.max_radius,
-            largest_radius,
-        )
-    }
-
-    /// Change of the inverse depth of focus per pixel in x and y.
-    fn focus_slope(&self) -> [f32; 2] {
-        let [origin, right, below] = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]
-            .map(|(x, y)| self.camera.focus.inverse_depth(self.camera.film.q_from_pixel(glam::DVec2::new(x, y))));
-        [(right - origin) as f32, (below - origin) as f32]
-    }
-
-    /// The lens that a point sees; whole coordinates are pixel centres.
-    fn lens_at(&self, x: f64, y: f64) -> PixelLens {
-        let display = self.view.frame().display;
-        let at = glam::DVec2::new(x - f64::from(display.x) + 0.5, y - f64::from(display.y) + 0.5);
-        PixelLens::new(self.camera, self.model, self.camera.film.q_from_pixel(at))
-    }
-
-    fn tile_lens(&self, tile: PixelWindow) -> TileLens {
-        let corner = |x: i32, y: i32| self.lens_at(f64::from(x), f64::from(y));
-        let (right, bottom) = (tile.x_end() - 1, tile.y_end() - 1);
-        let corners = [corner(tile.x, tile.y), corner(right, tile.y), corner(tile.x, bottom), corner(right, bottom)];
-        let middle = |start: i32, end: i32| 0.5 * (f64::from(start) + f64::from(end));
-        let center = self.lens_at(middle(tile.x, right), middle(tile.y, bottom));
-        let low = corners.iter().map(|lens| lens.focus).fold(f32::INFINITY, f32::min);
-        let high = corners.iter().map(|lens| lens.focus).fold(f32::NEG_INFINITY, f32::max);
-        let spread = center.scale * (high - center.focus).max(center.focus - low);
-        let stretch = corners.iter().map(PixelLens::stretch).fold(1.0, f32::max);
-        let widest = corners.iter().map(|lens| lens.widest).fold(0.0, f32::max);
-        TileLens { center: PixelLens { widest, ..center }, focus: [low, high], spread, stretch }
-    }
-
+impl Gather<'_> {
     /// One tile of the picture: `out` holds its channels, each row by row.
     #[inline(always)]
     fn tile<S: Simd, F: Footprint, const DOUBT: bool>(
@@ -332,7 +195,7 @@ impl<'a> Gather<'a> {
     ) {
         // Tiles and blocks are anchored at pixel (0, 0), so that bands of a picture have the same ones
         let anchored = PixelWindow { width: TILE, height: TILE, ..anchor(tile) };
-        let lens = self.tile_lens(anchored);
+        let lens = self.lens.over(anchored);
         let mut scratch = SCRATCH.take();
         simd.vectorize(
             #[inline(always)]
@@ -408,7 +271,7 @@ impl<'a> Gather<'a> {
         let left = left.aligned_to(side.max(BLOCK));
         let margin = (MARGIN * side) as u32;
         let around = left.grown(margin, margin);
-        let lens = self.tile_lens(around);
+        let lens = self.lens.over(around);
         self.collect(around, &lens, scratch);
 
         let [columns, lines] = [around.width, around.height].map(|length| length as usize / side as usize);
@@ -479,17 +342,10 @@ impl<'a> Gather<'a> {
         out: &mut [Vec<f32>],
     ) -> bool {
         let Some(lattice) = &self.lattice else { return false };
-        if blocks_of(anchored).all(|(x, y)| lattice.sees_edge(x, y)) {
-            return false;
-        }
-        let at = [anchored.x as f32, anchored.y as f32].map(|start| start + 0.5 * (TILE - 1) as f32);
-        let focus = TileFocus { center: &lens.center, at, range: lens.focus, slope: self.focus_slope() };
-        let Some(plan) = lattice.plan(anchored, &focus) else { return false };
-        lattice.tile::<S, DOUBT>(
+        lattice.blocks::<S, DOUBT>(
             simd,
             anchored,
-            &focus,
-            plan,
+            lens,
             scratch,
             #[inline(always)]
             |x, y, [full, rgba @ ..]| {
@@ -510,8 +366,7 @@ impl<'a> Gather<'a> {
                     (0..4).for_each(|c| out[c][at + i - from] = rgba[c]);
                 }
             },
-        );
-        true
+        )
     }
 
     /// Whether the block at a pixel is left to be gathered.
@@ -542,10 +397,7 @@ impl<'a> Gather<'a> {
         };
         let (lowest, highest) = (far(-1.0), far(1.0));
         // The smallest square has sides of two pixels
-        let merges = |[far, near]: [f32; 2]| {
-            let defocus = (near - lens.focus[0]).abs().max((far - lens.focus[1]).abs());
-            lens.center.scale * defocus >= SIDES_PER_RADIUS * 2.0
-        };
+        let merges = |range: Range| lens.largest_radius(range) >= SIDES_PER_RADIUS * 2.0;
         self.forest.visit(tile, &reach, &serves, &merges, &mut |piece| {
             let weight = Weight::new(&self.table, piece, &lens.center, self.max_radius);
             let is_steady = lens.spread <= STEADY_PX
@@ -604,7 +456,7 @@ impl<'a> Gather<'a> {
         let BlockGrid { first: [x, y], step, rows } = block;
         let half = [0.5 * step * (LANES - 1) as f32, 0.5 * step * (rows as f32 - 1.0)];
         let center = [x + half[0], y + half[1]];
-        let lens_at = |x: f32, y: f32| self.lens_at(f64::from(x), f64::from(y));
+        let lens_at = |x: f32, y: f32| self.lens.at(f64::from(x), f64::from(y));
         let lens = lens_at(center[0], center[1]);
 
         // What the defocus is more at each pixel than at the centre

@@ -19,6 +19,7 @@ use crate::{
     lens_map::PixelLens,
     surface::{Surface, finite},
     upsample::{MARGIN, upsample},
+    view_lens::{TileLens, ViewLens},
 };
 
 /// How many sides of a cell the least blur radius spans.
@@ -32,17 +33,6 @@ const STEPS: f32 = 32.0;
 
 /// Coarsest level.
 const LAST_LEVEL: u32 = 5;
-
-/// The lens over a tile.
-pub(crate) struct TileFocus<'a> {
-    pub(crate) center: &'a PixelLens,
-    /// The pixel that sees this lens.
-    pub(crate) at: [f32; 2],
-    /// Smallest and largest inverse depth of focus.
-    pub(crate) range: [f32; 2],
-    /// Its change per pixel in x and y.
-    pub(crate) slope: [f32; 2],
-}
 
 /// The first surface as a lattice.
 pub(crate) struct Lattice<'a> {
@@ -82,17 +72,20 @@ pub(crate) struct Plan {
 }
 
 impl<'a> Lattice<'a> {
-    /// `largest_radius` is the largest that there is, in pixels.
+    /// The lattice of a view's first `surface`; the blur is cut to the first of the limits in pixels, and there is none
+    /// larger than the second.
     pub(crate) fn new(
+        lens: &ViewLens<'a>,
         surface: &'a Surface,
-        colors: &'a [Plane; 4],
         cells: &'a Cells,
-        in_sight: InSight,
         table: &KernelTable,
-        variance: f32,
-        max_radius: f32,
-        largest_radius: f32,
+        limits: [f32; 2],
     ) -> Self {
+        let colors = lens.view.frame().layers()[0].color.planes();
+        let in_sight = in_sight(lens, cells, limits[0].min(limits[1]));
+        let variance = lens.camera.iris.shape().variance() as f32;
+        let [max_radius, largest_radius] = limits;
+
         // Halve the surface as often as the blur allows
         let base = |y: i32| {
             let (window, data) = (surface.window, colors[0].window());
@@ -143,11 +136,8 @@ impl<'a> Lattice<'a> {
     }
 
     /// How to sum up a tile; none if a gather does it at less cost.
-    pub(crate) fn plan(&self, tile: PixelWindow, focus: &TileFocus) -> Option<Plan> {
-        let lens = focus.center;
-        let defocus = |[far, near]: [f32; 2]| (near - focus.range[0]).abs().max((far - focus.range[1]).abs());
-        let nearest = |[far, near]: [f32; 2]| (far - focus.range[1]).max(focus.range[0] - near).max(0.0);
-        let reach = |range: [f32; 2]| (lens.widest * defocus(range)).min(self.max_radius * lens.stretch()) + 1.5;
+    fn plan(&self, tile: PixelWindow, lens: &TileLens) -> Option<Plan> {
+        let reach = |range: Range| lens.reach(range, self.max_radius);
         let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
         let gap = |at: i32, start: i32, end: i32| (start - (at + SQUARE)).max(at - end).max(0) as f32;
         for i in self.cells.squares.around(tile, reach(self.range).min(1e6) as i32) {
@@ -156,48 +146,52 @@ impl<'a> Lattice<'a> {
             let (across, down) = (gap(x, tile.x, tile.x_end()), gap(y, tile.y, tile.y_end()));
             let reach = reach(range);
             if across * across + down * down <= reach * reach {
-                least = least.min(lens.scale * nearest(range));
-                largest = largest.max(lens.scale * defocus(range));
+                least = least.min(lens.least_radius(range));
+                largest = largest.max(lens.largest_radius(range));
             }
         }
         let (least, largest) = (least.min(self.max_radius), largest.min(self.max_radius));
         let level = (least / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
         let level = level.min(self.levels.len() as u32);
-        let cells = (largest / (1 << level) as f32 + 1.0) * lens.stretch();
-        ((cells as i32) < MOST_CELLS && lens.scale > 0.0).then_some(Plan { level, largest })
+        let cells = (largest / (1 << level) as f32 + 1.0) * lens.stretch;
+        ((cells as i32) < MOST_CELLS && lens.center.scale > 0.0).then_some(Plan { level, largest })
     }
 
-    /// Sums up the blocks of a tile without an edge in sight. `put` takes eight pixels of a row: how full the iris is (above 0
+    /// Sums up the blocks of a tile without an edge in sight; whether it does. `put` takes eight pixels of a row: how full the iris is (above 0
     /// where anything is received, and true only if that is wanted: `OPEN`), and the colour.
     #[inline(always)]
-    pub(crate) fn tile<S: Simd, const OPEN: bool>(
+    pub(crate) fn blocks<S: Simd, const OPEN: bool>(
         &self,
         simd: S,
         tile: PixelWindow,
-        focus: &TileFocus,
-        plan: Plan,
+        lens: &TileLens,
         scratch: &mut LatticeScratch,
         mut put: impl FnMut(i32, i32, &[[f32; LANES]; CHANNELS]),
-    ) {
+    ) -> bool {
+        let part = self.part_without_edges(tile);
+        if part.is_empty() {
+            return false;
+        }
+        let Some(plan) = self.plan(tile, lens) else { return false };
         let side = 1 << plan.level;
-        let part = self.part_without_edges(tile).aligned_to(side.max(BLOCK));
+        let part = part.aligned_to(side.max(BLOCK));
         let margin = if plan.level == 0 { 0 } else { MARGIN };
         let [columns, lines] = [part.width, part.height].map(|length| length as i32 / side + 2 * margin);
         let first = (part.x / side - margin, part.y / side - margin);
-        self.offsets(focus, plan.largest / side as f32, &mut scratch.offsets);
+        self.offsets(lens, plan.largest / side as f32, &mut scratch.offsets);
         let reach = scratch.offsets.reach;
 
         // Lay out what the cells receive from
-        let is_bent = focus.slope != [0.0; 2] || focus.center.skew != [0.0; 2] || self.is_odd();
+        let is_bent = lens.focus_slope != [0.0; 2] || lens.center.skew != [0.0; 2] || self.is_odd();
         let (width, height) = ((columns + 2 * reach) as usize, (lines + 2 * reach + 1) as usize);
         scratch.rows.resize_with(height.max(scratch.rows.len()), Row::default);
         for (j, row) in scratch.rows[..height].iter_mut().enumerate() {
             let start = (first.0 - reach, first.1 - reach + j as i32);
             let largest = plan.largest / side as f32;
             if is_bent {
-                self.lay_out::<true>(plan.level, start, width, focus, largest, row);
+                self.lay_out::<true>(plan.level, start, width, lens, largest, row);
             } else {
-                self.lay_out::<false>(plan.level, start, width, focus, largest, row);
+                self.lay_out::<false>(plan.level, start, width, lens, largest, row);
             }
         }
 
@@ -233,6 +227,7 @@ impl<'a> Lattice<'a> {
         if plan.level > 0 {
             upsample(part, plan.level, &scratch.sums, width, |x, y| !self.sees_edge(x, y), put);
         }
+        true
     }
 
     /// The smallest window that holds all blocks of a tile without an edge in sight.
@@ -275,7 +270,7 @@ impl<'a> Lattice<'a> {
         level: u32,
         first: (i32, i32),
         count: usize,
-        focus: &TileFocus,
+        lens: &TileLens,
         largest: f32,
         row: &mut Row,
     ) {
@@ -296,11 +291,10 @@ impl<'a> Lattice<'a> {
 
         // Blur radii in cells, for the focus at the cells themselves
         let side = (1 << level) as f32;
-        let lens = focus.center;
         let center = |k: i32| (k as f32 + 0.5) * side - 0.5;
-        let per_cell = focus.slope[0] * side;
-        let at_start = focus.focus_at(center(first.0), center(first.1)) + per_cell * from as f32;
-        let (scale, limit) = (lens.scale / side, self.max_radius / side);
+        let per_cell = lens.focus_slope[0] * side;
+        let at_start = lens.focus_at(center(first.0), center(first.1)) + per_cell * from as f32;
+        let (scale, limit) = (lens.center.scale / side, self.max_radius / side);
         let less = if level == 0 { 0.0 } else { (1.0 - 1.0 / (side * side)) / (12.0 * self.variance) };
         let mut radii = [0.0; SPAN];
         let (radii, inverse) = (&mut radii[..to - from], &mut row.inverse[from..to]);
@@ -340,8 +334,8 @@ impl<'a> Lattice<'a> {
         }
 
         // The focus changes on the way to a receiving cell
-        let bend = focus.slope[0].hypot(focus.slope[1]) * lens.scale;
-        row.limit = self.metric_limit((row_radius * (1.0 + 1.5 * bend) + 2.0 * bend).min(largest), lens);
+        let bend = lens.focus_slope[0].hypot(lens.focus_slope[1]) * lens.center.scale;
+        row.limit = self.metric_limit((row_radius * (1.0 + 1.5 * bend) + 2.0 * bend).min(largest), &lens.center);
 
         // Colours by weight; nobody asks for an alpha that is 1
         let channels = if self.is_opaque { 3 } else { 4 };
@@ -382,17 +376,17 @@ impl<'a> Lattice<'a> {
     }
 
     /// The offsets that a blur of at most `largest` cells reaches over.
-    fn offsets(&self, focus: &TileFocus, largest: f32, offsets: &mut Offsets) {
-        let lens = focus.center;
-        let skew = lens.skew[0].hypot(lens.skew[1]);
-        let limit = self.metric_limit(largest, lens);
-        let bend = focus.slope.map(|s| s * lens.scale);
+    fn offsets(&self, lens: &TileLens, largest: f32, offsets: &mut Offsets) {
+        let center = &lens.center;
+        let skew = center.skew[0].hypot(center.skew[1]);
+        let limit = self.metric_limit(largest, center);
+        let bend = lens.focus_slope.map(|s| s * center.scale);
         let is_disc = matches!(self.outline, Outline::Disc);
         let metrics = |dx: i32, dy: i32| {
             let (x, y) = (dx as f32, dy as f32);
-            let m = &lens.to_iris;
+            let m = &center.to_iris;
             let (u, v) = (m[0] * x + m[1] * y, m[2] * x + m[3] * y);
-            let skew = lens.skew[0] * u + lens.skew[1] * v;
+            let skew = center.skew[0] * u + center.skew[1] * v;
             let bend = bend[0] * x + bend[1] * y;
             let less = if is_disc { bend * bend } else { 0.0 };
             Offset {
@@ -402,7 +396,7 @@ impl<'a> Lattice<'a> {
                 skew,
             }
         };
-        let reach = ((largest + 1.0) * lens.stretch() * (1.0 + skew)) as i32 + 1;
+        let reach = ((largest + 1.0) * lens.stretch * (1.0 + skew)) as i32 + 1;
         offsets.fill(reach, |dx, dy| {
             let offset = metrics(dx, dy);
             let least = offset.metric.min(offset.mirrored);
@@ -416,8 +410,17 @@ fn all(plane: &Plane, is_good: impl Fn(f32) -> bool + Sync) -> bool {
     plane.values().par_chunks(1 << 14).all(|values| values.iter().fold(true, |all, &value| all & is_good(value)))
 }
 
-impl TileFocus<'_> {
-    fn focus_at(&self, x: f32, y: f32) -> f32 {
-        self.center.focus + self.slope[0] * (x - self.at[0]) + self.slope[1] * (y - self.at[1])
-    }
+/// The blocks from which an edge may be seen through a blur of at most `largest` pixels of radius.
+fn in_sight(lens: &ViewLens, cells: &Cells, largest: f32) -> InSight {
+    let corners = lens.at_corners();
+    let widest = corners.iter().map(|lens| lens.widest).fold(0.0, f32::max);
+    let stretch = corners.iter().map(PixelLens::stretch).fold(1.0, f32::max);
+    let slope = lens.focus_slope().map(|s| s * widest);
+    let steepness = slope[0].hypot(slope[1]).min(0.9);
+    cells.in_sight(|[far, near], x, y| {
+        // The focus changes on the way to who sees it, and over both blocks
+        let focus = lens.at(f64::from(x), f64::from(y)).focus;
+        let radius = widest * (near - focus).abs().max((far - focus).abs()) + steepness * 2.0 * BLOCK as f32;
+        (radius / (1.0 - steepness)).min(largest * stretch) + 2.0
+    })
 }
