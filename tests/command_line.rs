@@ -89,9 +89,15 @@ fn a_lens_from_options_replaces_the_frames_own() {
     let text = run(&["-N", "2", "--focal-length", "50", "--focus-points", "10,85", "150,85", "150,5"], "p.exr");
     let tilt: f64 = text.split("tilt ").nth(1).and_then(|rest| rest.split('°').next()).unwrap().parse().unwrap();
     assert!(tilt > 1.0, "{text}");
-    run(&["-N", "2", "--focal-length", "50", "--focus-pixel", "80,45", "--swing", "-3"], "s.exr");
-    let [points, swung] = ["p.exr", "s.exr"].map(|name| std::fs::read(folder.path().join(name)).unwrap());
-    assert!(points != swung);
+    let swung = ["-N", "2", "--focal-length", "50", "--focus-pixel", "80,45", "--swing", "-3"];
+    run(&swung, "s.exr");
+    run(&[&swung[..], &["--anamorphic", "2"]].concat(), "a.exr");
+    let [points, swung, squeezed] =
+        ["p.exr", "s.exr", "a.exr"].map(|name| std::fs::read(folder.path().join(name)).unwrap());
+    assert!(points != swung && swung != squeezed);
+    // The result tells the lens that it was made with
+    let read = rgbd::read_picture(&folder.path().join("a.exr"), &rgbd::ReadOptions::default()).unwrap();
+    assert_eq!(read.head.camera.unwrap().iris.squeeze(), 2.0);
 }
 
 #[test]
@@ -103,7 +109,7 @@ fn raised_highlights_are_not_clipped_again() {
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     assert!(stderr(&output).contains("highlights raised in "), "{}", stderr(&output));
     let picture = rgbd::read_picture(&folder.path().join("r.exr"), &rgbd::ReadOptions::default()).unwrap().value;
-    let brightest = picture.planes()[..3].iter().flat_map(|plane| plane.values()).copied().fold(0.0, f32::max);
+    let brightest = picture.planes()[..3].iter().flat_map(rgbd::Plane::values).copied().fold(0.0, f32::max);
     assert!(brightest > 1.0, "{brightest}");
 }
 
@@ -171,6 +177,23 @@ fn bad_requests_exit_with_2_and_say_in_one_line_what_would_do() {
         (&["filter", "t.exr", "-o", "o.exr", "-N", "2", "--focal-length", "50", "--focus-distance", "1"], "depth"),
         (&["filter", "d.exr", "-o", "o.exr", "--max-radius", "-1"], "largest blur radius"),
         (&["filter", "d.exr", "-o", "o.exr", "--tilt", "90"], "degrees"),
+        (
+            &[
+                "filter",
+                "d.exr",
+                "-o",
+                "o.exr",
+                "-N",
+                "2",
+                "--focal-length",
+                "50",
+                "--focus-distance",
+                "2",
+                "--anamorphic",
+                "8",
+            ],
+            "anamorphic squeeze (height of the iris over its width) is 8; it must be 0.25 to 4",
+        ),
         (&["filter", "d.exr", "-o", "o.exr", "--highlight-gain", "0.5"], "gain of highlights is 0.5; it must be 1 to"),
         (
             &["filter", "d.exr", "-o", "o.exr", "--highlight-gain", "2", "--highlight-threshold", "1"],

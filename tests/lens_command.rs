@@ -260,13 +260,13 @@ fn impossible_requests_end_with_code_2_and_one_line() {
 #[test]
 fn help_names_the_unit_of_every_option() {
     let help = words("--help");
-    let units = ["mm", "metres", "degrees", "pixels", "f-number", "aperture blades"];
+    let units = ["mm", "metres", "degrees", "pixels", "f-number", "aperture blades", "times as tall as wide"];
     // An option is a line that begins with a dash and what follows it; a switch takes no value and has no unit
     let options = help.split("\n      --").chain(help.split("\n  -N, --")).skip(1);
     let mut number_of_options = 0;
     for option in options.filter(|text| text.lines().next().is_some_and(|line| line.contains('<'))) {
         let end = option.find("\n  -").or_else(|| option.find("\n\n")).unwrap_or(option.len());
-        let text = option[..end].to_lowercase();
+        let text = option[..end].to_lowercase().split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(units.iter().any(|unit| text.contains(unit)), "no unit: {text}");
         number_of_options += 1;
     }

@@ -56,6 +56,10 @@ pub(crate) struct LensOptions {
     /// Rotation of the aperture in degrees.
     #[arg(long, value_name = "DEG", requires = "blades", allow_hyphen_values = true, default_value_t = 0.0)]
     pub(crate) blade_rotation: f64,
+    /// Squeeze of an anamorphic lens: light out of focus makes ovals RATIO times as tall as wide (0.25 to 4; 2 for a 2x
+    /// anamorphic lens). The aperture is then that of the longer axis.
+    #[arg(long, value_name = "RATIO")]
+    pub(crate) anamorphic: Option<f64>,
 
     /// Focus at this depth in metres on the optical axis (`inf` for infinity).
     #[arg(long, value_name = "M", group = "focus")]
@@ -149,6 +153,7 @@ impl LensOptions {
             || self.focus_points.is_some()
             || self.focus_plane.is_some()
             || self.blades.is_some()
+            || self.anamorphic.is_some()
             || self.upright_iris
     }
 
@@ -179,6 +184,7 @@ impl LensOptions {
         // From metres to the scene's unit
         let in_units = lens.scaled(1.0 / metres_per_unit).context("metres per unit of depth")?;
         let iris = if self.upright_iris { in_units.upright_iris(shape) } else { in_units.iris(shape) };
+        let iris = iris.squeezed(self.anamorphic.unwrap_or(1.0))?;
         Ok(Chosen { camera: in_units.camera(pose, film, iris)?, lens })
     }
 

@@ -8,6 +8,7 @@ use rgbd::{Picture, PixelWindow, Plane, Progress};
 use crate::{
     FilterError, FrameView, GatherSettings, KernelRule, LensRaysSettings,
     gather::{GatherRun, Gathered, gather},
+    kernel::Oval,
     lattice::SIDES_PER_RADIUS,
     lens_map::PixelLens,
     lens_points::MAX_SAMPLES,
@@ -83,9 +84,9 @@ pub struct Filtered {
     pub picture: Picture,
     /// The kernel that ran.
     pub kernel: KernelModel,
-    /// Why; `None` where it was forced or nothing blurs.
+    /// Why; `None` where it was forced, also by an iris or pixels that turn discs to ovals, or nothing blurs.
     pub kernel_choice: Option<KernelChoice>,
-    /// Largest radius of the circle of confusion in pixels over the window, before any limit.
+    /// Largest radius (of the wider axis) of the circle of confusion in pixels over the window, before any limit.
     pub largest_radius_px: f32,
     /// The limit that cut it, in pixels, if it did.
     pub cut_to_px: Option<f32>,
@@ -142,19 +143,21 @@ pub fn apply(
     let (model, kernel_choice) = kernel(depths, camera, settings.kernel);
     let largest_radius_px = largest_radius_px(depths, view, camera, window);
     let limit = max_radius_px(view, &settings);
+    // Methods measure an oval by the disc of the same area
+    let disc_limit = limit / Oval::of(camera).longer();
 
     let layers = view.frame().layers().len().min(settings.layers.max(1));
     let fill_reach = fill_reach(inverse_range(depths, view, camera), camera, limit);
     let (picture, predicted_error) = match method {
-        Method::OwnCoc(_) => (own_coc(view, camera, model, limit, window, progress)?, None),
+        Method::OwnCoc(_) => (own_coc(view, camera, model, disc_limit, window, progress)?, None),
         Method::LensRays(LensRaysSettings { samples, .. }) => {
-            let run = RayRun { samples: *samples, max_radius: limit, layers, fill_reach };
+            let run = RayRun { samples: *samples, max_radius: disc_limit, layers, fill_reach };
             (lens_rays(view, camera, &run, window, progress)?, None)
         }
         _ => {
             let run = GatherRun {
                 model,
-                max_radius: limit,
+                max_radius: disc_limit,
                 // Bands of a picture must grow the same trees as the whole
                 largest_radius: self::largest_radius_px(depths, view, camera, view.frame().data()),
                 layers,
@@ -185,9 +188,11 @@ pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
     let limit = max_radius_px(view, &settings);
     let largest = largest_of(inverse, view, camera, frame.data()).min(limit);
     // An ellipse is wider than the disc by most at a corner of the window; then ramp, slope and rounding
-    let disc = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
+    let disc = camera.pixels_per_defocus().max_element() as f32;
     let corners = camera.film.corners().map(|q| PixelLens::new(camera, KernelModel::Exact, q));
-    let wider = corners.iter().map(|lens| lens.stretch().max(lens.widest / disc.max(f32::MIN_POSITIVE)));
+    let oval = Oval::of(camera);
+    let wider =
+        corners.iter().map(|lens| (lens.stretch() / oval.longer()).max(lens.widest / disc.max(f32::MIN_POSITIVE)));
     let wider = 1.1 * wider.fold(1.0, f32::max);
     let blur = (largest * wider).ceil() as u32 + 4 + if has_holes(view) { HOLE_REACH as u32 } else { 0 };
     match method {
@@ -205,12 +210,12 @@ pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
 /// How far behind a silhouette the background is filled in at most, in pixels.
 fn fill_reach(inverse: [f64; 2], camera: &Camera, limit: f32) -> f32 {
     // An edge and a background that are blurred by the limit each, on both sides of the plane of focus
-    let px = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
+    let px = camera.pixels_per_defocus().max_element() as f32;
     (2.0 * limit).min(px * inverse[1] as f32 + 1.0)
 }
 
-/// Signed radius of the circle of confusion in pixels of each pixel of the view, from the first layer's depth: positive on
-/// the lens's side of the plane of focus. Pixels of unknown depth are NaN.
+/// Signed radius (of the wider axis) of the circle of confusion in pixels of each pixel of the view, from the first layer's
+/// depth: positive on the lens's side of the plane of focus. Pixels of unknown depth are NaN.
 #[must_use]
 pub fn coc_radius_px(view: &FrameView, camera: &Camera) -> Plane {
     let layer = &view.frame().layers()[0];
@@ -268,15 +273,18 @@ fn unfiltered(view: &FrameView, window: PixelWindow) -> Filtered {
 }
 
 fn kernel(depths: Option<DepthRange>, camera: &Camera, rule: KernelRule) -> (KernelModel, Option<KernelChoice>) {
-    // Pixels that are not square make an ellipse of every disc
-    let px = camera.film.pixels_per_q();
-    let square = (px.x / px.y - 1.0).abs() < 1e-3;
+    // A squeezed iris, or pixels that are not square, make an ellipse of every disc
+    let round = Oval::of(camera).is_round();
     match rule {
-        KernelRule::Forced(model) => (if square { model } else { model.max(KernelModel::Ellipse) }, None),
+        KernelRule::Forced(model) => (if round { model } else { model.max(KernelModel::Ellipse) }, None),
         KernelRule::Auto { tolerance_px } => {
             let Some(depths) = depths else { return (KernelModel::Disc, None) };
             let choice = KernelModel::choose(camera, Reading::Gather, &depths, tolerance_px);
-            (if square { choice.model } else { choice.model.max(KernelModel::Ellipse) }, Some(choice))
+            if round || choice.model > KernelModel::Disc {
+                (choice.model, Some(choice))
+            } else {
+                (KernelModel::Ellipse, None)
+            }
         }
     }
 }

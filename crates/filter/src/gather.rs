@@ -120,11 +120,13 @@ pub(crate) fn gather(
     // Squares that nothing is blurred enough for are not needed
     let merged = (run.max_radius.min(run.largest_radius) / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
     let forest = Forest::new(&prepared, px, if run.merge { merged.min(4) } else { 0 });
-    let table = KernelTable::new(camera.iris.shape());
+    let table = KernelTable::of(camera);
     let GatherRun { model, max_radius, merge, level, .. } = *run;
     let lens = ViewLens { view, camera, model };
     let limits = [max_radius, run.largest_radius];
-    let lattice = merge.then(|| Lattice::new(&lens, &prepared.first, &prepared.cells, &table, limits));
+    // Kernels of an oval are stretched by an amount of their own at each radius
+    let is_plain = merge && table.is_round();
+    let lattice = is_plain.then(|| Lattice::new(&lens, &prepared.first, &prepared.cells, &table, limits));
     let job = Gather { lens, max_radius, px, forest, lattice, table, merge };
     let round = model == KernelModel::Disc && camera.iris.shape() == optics::ApertureShape::Disc;
 

@@ -14,7 +14,7 @@ use rgbd::{PixelWindow, Plane};
 use crate::{
     cells::{BLOCK, Cells, EMPTY, InSight, Range, SQUARE, blocks_of, joined},
     color_pyramid::ColorLevel,
-    kernel::{KernelTable, Outline, mirror},
+    kernel::{KernelTable, Outline},
     lattice_sum::{CHANNELS, LANES, Offset, Offsets, Row, SPAN, Span, sum},
     lens_map::PixelLens,
     surface::{Surface, finite},
@@ -46,7 +46,7 @@ pub(crate) struct Lattice<'a> {
     /// Whether all alpha is 1, and all colour finite.
     is_opaque: bool,
     is_finite: bool,
-    /// By radius: start and slope of the ramp, weight, each for a kernel that is 1 inside.
+    /// By radius: start and slope of the ramp for a kernel that is 1 inside, weight, share of the mirrored outline.
     table: Vec<[f32; 4]>,
     variance: f32,
     max_radius: f32,
@@ -108,7 +108,7 @@ impl<'a> Lattice<'a> {
         let entry = |i: usize| {
             let radius = i as f32 / STEPS;
             let (kernel, _) = table.with_slope(radius);
-            [kernel.a / kernel.weight, kernel.b / kernel.weight, kernel.weight / radius.max(1.0), 0.0]
+            [kernel.a / kernel.weight, kernel.b / kernel.weight, kernel.weight / radius.max(1.0), table.mirror(radius)]
         };
         let table_of = (0..=(MOST_CELLS + 1) as usize * STEPS as usize).map(entry).collect();
         let outline = table.outline().clone();
@@ -325,7 +325,7 @@ impl<'a> Lattice<'a> {
                 let turn = if defocus.abs() > limit { 0.0 } else { STEPS * step[0] };
                 let turn = if is_disc && row.b[i] < 1.0 { 2.0 * turn } else { turn };
                 row.turn[i] = turn.copysign(defocus);
-                let mirror = mirror(own);
+                let mirror = low[3];
                 row.mirrored[i] = if defocus < 0.0 { 1.0 - mirror } else { mirror };
             }
         }

@@ -2,9 +2,10 @@
 //!
 //! Pixel q sees a point at inverse depth s and pixel p through the iris point (a, b) iff
 //! `p - q = d A (a, b) / (1 - w R e_z.(a, b))` with `d = s - w(q)`, `A(q) = R [e1.xy - e1.z q, e2.xy - e2.z q]` and
-//! `e_z = (e1.z, e2.z)`. Solved for the iris point: with `y = A^-1 (p - q) / d`, `(a, b) = y / (1 + w R e_z.y)`.
+//! `e_z = (e1.z, e2.z)`; for a squeezed iris R differs from axis to axis. Solved for the iris point: with
+//! `y = A^-1 (p - q) / d`, `(a, b) = y / (1 + w R e_z.y)`.
 
-use glam::{DMat2, DVec2};
+use glam::{DMat2, DVec2, DVec3};
 use optics::{Camera, KernelModel};
 
 /// How the shape of a pixel's footprint is chosen.
@@ -26,12 +27,27 @@ impl Default for KernelRule {
     }
 }
 
+/// A(q) in pixels (x right, y down): the offsets of the iris's axes for a unit of defocus.
+pub(crate) fn spread(camera: &Camera, q: DVec2) -> DMat2 {
+    let (iris, px) = (&camera.iris, camera.film.pixels_per_q());
+    let to_px = DVec2::new(px.x, -px.y);
+    let axis = |e: DVec3, half_size: f64| to_px * half_size * (e.truncate() - e.z * q);
+    let half = iris.half_sizes();
+    DMat2::from_cols(axis(iris.e1(), half.x), axis(iris.e2(), half.y))
+}
+
+/// w R e_z: how an iris that leans through the plane of focus skews the footprint.
+pub(crate) fn skew(camera: &Camera, focus: f64) -> DVec2 {
+    let iris = &camera.iris;
+    DVec2::new(iris.e1().z, iris.e2().z) * (focus * iris.half_sizes())
+}
+
 /// The lens as one pixel sees it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PixelLens {
     /// Inverse depth of focus w(q).
     pub(crate) focus: f32,
-    /// Pixels of blur radius per unit of defocus.
+    /// Pixels of blur radius per unit of defocus: of the disc as large as the footprint.
     pub(crate) scale: f32,
     /// Largest such radius in any direction.
     pub(crate) widest: f32,
@@ -50,19 +66,13 @@ impl PixelLens {
 
     /// The lens seen from chief-ray direction q.
     pub(crate) fn new(camera: &Camera, model: KernelModel, q: DVec2) -> Self {
-        let (iris, px) = (&camera.iris, camera.film.pixels_per_q());
         let focus = camera.focus.inverse_depth(q);
-        let radius = iris.radius();
         if model == KernelModel::Disc {
-            let scale = radius * px.max_element();
-            let scale = scale as f32;
+            let scale = camera.pixels_per_defocus().max_element() as f32;
             return Self { focus: focus as f32, scale, widest: scale, to_iris: [1.0, 0.0, 0.0, -1.0], skew: [0.0; 2] };
         }
 
-        // Span the ellipse in pixels; y runs down there
-        let to_px = DVec2::new(px.x, -px.y) * radius;
-        let axis = |e: glam::DVec3| to_px * (e.truncate() - e.z * q);
-        let map = DMat2::from_cols(axis(iris.e1()), axis(iris.e2()));
+        let map = spread(camera, q);
         let scale = map.determinant().abs().sqrt();
         if scale == 0.0 {
             return Self {
@@ -80,7 +90,7 @@ impl PixelLens {
 
         // An iris leaning through the plane of focus skews the disc
         let skew = match model {
-            KernelModel::Exact => DVec2::new(iris.e1().z, iris.e2().z) * (focus * radius),
+            KernelModel::Exact => skew(camera, focus),
             _ => DVec2::ZERO,
         };
         let stretch = 1.0 / (1.0 - skew.length()).max(0.5);
@@ -93,12 +103,18 @@ impl PixelLens {
         }
     }
 
+    /// An offset (x right, y down) in iris coordinates scaled by the blur radius, as if there were no skew.
+    #[inline(always)]
+    pub(crate) fn unskewed(&self, x: f32, y: f32) -> [f32; 2] {
+        let m = &self.to_iris;
+        [m[0] * x + m[1] * y, m[2] * x + m[3] * y]
+    }
+
     /// An offset (x right, y down) in iris coordinates scaled by the blur radius, the iris turned upside down behind the
     /// plane of focus; `defocus` is the neighbour's, in pixels of radius.
     #[inline(always)]
     pub(crate) fn iris_offset(&self, x: f32, y: f32, defocus: f32) -> [f32; 2] {
-        let m = &self.to_iris;
-        let (mut a, mut b) = (m[0] * x + m[1] * y, m[2] * x + m[3] * y);
+        let [mut a, mut b] = self.unskewed(x, y);
         // Undo the skew where the footprint is large enough to have a shape
         if self.skew != [0.0; 2] && defocus.abs() > 0.5 {
             let factor = 1.0 / (1.0 + (self.skew[0] * a + self.skew[1] * b) / defocus).clamp(0.5, 2.0);

@@ -10,7 +10,7 @@
 //! A ray that ends behind everything that the surfaces know takes part in nothing: the pixel is the mean of the rays that
 //! found something.
 
-use glam::{DVec2, Vec2};
+use glam::Vec2;
 use optics::{Camera, KernelModel};
 use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
@@ -18,7 +18,7 @@ use crate::{
     FrameView,
     depth_pyramid::{DepthPyramid, Range},
     fetch_radius::FetchRadius,
-    lens_map::PixelLens,
+    lens_map::{PixelLens, skew, spread},
     lens_points::LensPoints,
     lens_ray::{Hit, LensRay, floor, pixel_ranges},
     patch::Patches,
@@ -35,7 +35,7 @@ const SEAMLESS_PX: f32 = 0.25;
 pub struct LensRaysSettings {
     /// Rays for each pixel, 1 to 65,536.
     pub samples: u32,
-    /// Largest radius of the circle of confusion in pixels; larger ones are cut to it. `None`: a quarter of the display
+    /// Largest radius (of the wider axis) of the circle of confusion in pixels; larger ones are cut to it. `None`: a quarter of the display
     /// window's width.
     pub max_radius_px: Option<f32>,
     /// How many of the frame's layers to use; 1 ignores hidden ones.
@@ -82,7 +82,7 @@ pub(crate) fn lens_rays(
     progress: &dyn Progress,
 ) -> Result<Picture, Cancelled> {
     let surfaces = Prepared::new(view, camera, run.layers, run.fill_reach, crate::Sides::Both).into_surfaces();
-    let blur = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
+    let blur = camera.pixels_per_defocus().max_element() as f32;
     let patches = Patches::new(&surfaces, (SEAMLESS_PX / blur).min(1e6));
     let pyramid = DepthPyramid::new(patches.window, pixel_ranges(&patches));
     let shape = camera.iris.shape();
@@ -148,12 +148,11 @@ impl Job<'_> {
         }
         // Span the pixel's footprint per unit of defocus, as equation 5 does
         let q = pixel_q(self.view, self.camera, x, y);
-        let (iris, px) = (&self.camera.iris, self.camera.film.pixels_per_q());
-        let focus = self.camera.focus.inverse_depth(q);
-        let to_px = DVec2::new(px.x, -px.y) * iris.radius();
-        let axis = |e: glam::DVec3| (to_px * (e.truncate() - e.z * q)).as_vec2();
-        let (axis1, axis2) = (axis(iris.e1()), axis(iris.e2()));
-        let skew = (DVec2::new(iris.e1().z, iris.e2().z) * (focus * iris.radius())).as_vec2();
+        let spread = spread(self.camera, q);
+        let (axis1, axis2) = (spread.x_axis.as_vec2(), spread.y_axis.as_vec2());
+        let skew = skew(self.camera, self.camera.focus.inverse_depth(q)).as_vec2();
+        // How far it reaches across and down
+        let extent = Vec2::new(axis1.x.hypot(axis2.x), axis1.y.hypot(axis2.y));
         let limit = if lens.scale > 0.0 { self.max_radius / lens.scale } else { f32::INFINITY };
 
         let window = self.patches.window;
@@ -163,16 +162,16 @@ impl Job<'_> {
             let pace = (axis1 * u.x + axis2 * u.y) / (1.0 - skew.dot(*u)).max(0.5);
             let (column, row) = (x - window.x, y - window.y);
             let ray = LensRay { column, row, focus: lens.focus, pace, limit };
-            found.add(1.0, &self.trace(&ray, lens, range));
+            found.add(1.0, &self.trace(&ray, extent, range));
         }
         if found.ended > 0.0 { found.rgba.map(|c| c / found.ended) } else { self.unfiltered(x, y) }
     }
 
-    /// What one ray finds.
-    fn trace(&self, ray: &LensRay, lens: &PixelLens, range: Range) -> Found {
+    /// What one ray finds; `extent` is its pixel's footprint across and down, in pixels per unit of defocus.
+    fn trace(&self, ray: &LensRay, extent: Vec2, range: Range) -> Found {
         let mut found = Found::default();
         ray.march(&self.patches, &self.pyramid, range, |hit| {
-            let fetched = self.fetch(&hit, ray, lens);
+            let fetched = self.fetch(&hit, ray, extent);
             found.add(1.0 - found.ended, &fetched);
             found.ended < OPAQUE
         });
@@ -181,10 +180,11 @@ impl Job<'_> {
 
     /// The surface around a hit, interpolated between pixel centres.
     #[inline(always)]
-    fn fetch(&self, hit: &Hit, ray: &LensRay, lens: &PixelLens) -> Found {
+    fn fetch(&self, hit: &Hit, ray: &LensRay, extent: Vec2) -> Found {
         // Draw the fetch in, so that interpolation and lens together blur as much as the lens should
-        let radius = ((hit.s - ray.focus).abs() * lens.scale).min(self.max_radius);
-        let at = hit.offset * self.fetch.scale(radius) - (hit.offset - hit.within);
+        let radius = extent * (hit.s - ray.focus).abs().min(ray.limit);
+        let scale = Vec2::new(self.fetch.scale(radius.x), self.fetch.scale(radius.y));
+        let at = hit.offset * scale - (hit.offset - hit.within);
         let (left, top) = (floor(at.x), floor(at.y));
         let part = at - Vec2::new(left as f32, top as f32);
         let weights =

@@ -8,7 +8,7 @@ use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
 use crate::{
     FrameView,
-    kernel::{KernelTable, mirror},
+    kernel::KernelTable,
     lens_map::PixelLens,
     surface::{Surface, pixel_q},
     tiles::by_tiles,
@@ -24,7 +24,7 @@ pub(crate) fn own_coc(
     progress: &dyn Progress,
 ) -> Result<Picture, Cancelled> {
     let surface = Surface::new(view, camera, 0);
-    let table = KernelTable::new(camera.iris.shape());
+    let table = KernelTable::of(camera);
 
     // Average around one pixel
     let pixel = |x: i32, y: i32| -> [f32; 4] {
@@ -40,8 +40,7 @@ pub(crate) fn own_coc(
         let around = PixelWindow { x, y, width: 1, height: 1 }.grown(reach, reach).intersection(&surface.window);
         let (mut sum, mut total) = ([0.0; 4], 0.0);
         for (u, v) in around.pixels() {
-            let [a, b] = lens.iris_offset((u - x) as f32, (v - y) as f32, defocus);
-            let weight = table.outline().weight(a, b, &kernel, mirror(radius));
+            let weight = table.weight(lens.iris_offset((u - x) as f32, (v - y) as f32, defocus), radius, &kernel);
             if weight > 0.0 {
                 total += weight;
                 let rgba = surface.rgba[surface.window.index(u, v)];

@@ -10,7 +10,7 @@ use rgbd::{Picture, PixelWindow};
 use crate::{
     FrameView,
     gather::{GatherRun, SLAB_PX},
-    kernel::{KernelTable, mirror},
+    kernel::KernelTable,
     lens_map::PixelLens,
     prepare::Prepared,
     surface::pixel_q,
@@ -44,7 +44,7 @@ struct Given {
 /// Gathers `window`.
 pub(crate) fn plain(view: &FrameView, camera: &Camera, run: &GatherRun, window: PixelWindow) -> Picture {
     let prepared = Prepared::new(view, camera, run.layers, run.fill_reach, run.sides);
-    let table = KernelTable::new(camera.iris.shape());
+    let table = KernelTable::of(camera);
     let pieces = pieces(&prepared);
     Picture::from_fn(window, |x, y| {
         let lens = PixelLens::new(camera, run.model, pixel_q(view, camera, x, y));
@@ -92,8 +92,7 @@ fn give(
 
     // The weight of the pixel in the footprint
     let (kernel, _) = table.with_slope(radius);
-    let [a, b] = lens.iris_offset(dx, dy, defocus);
-    let weight = piece.cover * table.outline().weight(a, b, &kernel, mirror(radius));
+    let weight = piece.cover * table.weight(lens.iris_offset(dx, dy, defocus), radius, &kernel);
     if weight <= 0.0 {
         return None;
     }

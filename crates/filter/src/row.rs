@@ -134,7 +134,7 @@ impl Footprint for Shaped<'_> {
             let lean = lean.max(0.5).min(2.0);
             (u, v) = (u / lean, v / lean);
         }
-        let (u, v) = (u * tap.weight.sign, v * tap.weight.sign);
+        let (u, v) = (u * (tap.weight.sign * tap.weight.stretch), v * (tap.weight.sign / tap.weight.stretch));
         match self.0 {
             Outline::Disc => kernel.at(u.mul_add(u, v * v)),
             Outline::Polygon { normals, .. } => {

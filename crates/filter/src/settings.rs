@@ -7,8 +7,8 @@ use crate::KernelRule;
 pub struct GatherSettings {
     /// Shape of the footprint.
     pub kernel: KernelRule,
-    /// Largest radius of the circle of confusion in pixels; larger ones are cut to it. `None`: a quarter of the display
-    /// window's width.
+    /// Largest radius (of the wider axis) of the circle of confusion in pixels; larger ones are cut to it. `None`: a quarter
+    /// of the display window's width.
     pub max_radius_px: Option<f32>,
     /// How many of the frame's layers to use; 1 ignores hidden ones.
     pub layers: usize,

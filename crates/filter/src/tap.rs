@@ -2,7 +2,7 @@
 
 use crate::{
     forest::Piece,
-    kernel::{Kernel, KernelTable, mirror},
+    kernel::{Kernel, KernelTable},
     lens_map::PixelLens,
 };
 
@@ -31,6 +31,8 @@ pub(crate) struct Weight {
     pub(crate) sign: f32,
     /// The share of the mirrored outline.
     pub(crate) mirror: f32,
+    /// What its offset in iris coordinates is multiplied by along x, and divided by along y.
+    pub(crate) stretch: f32,
     /// Signed radius of the blur in pixels.
     pub(crate) defocus: f32,
 }
@@ -58,7 +60,8 @@ impl Weight {
             trust,
             sharpness: (0.5 * radius).clamp(0.5, 4.0),
             sign,
-            mirror: mirror(radius / piece.size),
+            mirror: table.mirror(radius / piece.size),
+            stretch: table.stretch(radius / piece.size),
             defocus,
         }
     }

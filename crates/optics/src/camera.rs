@@ -66,10 +66,17 @@ impl Camera {
         Self { iris: Iris::pinhole(), ..*self }
     }
 
+    /// Half width and half height in pixels of the blur of a unit of defocus, for an iris that stands upright: half sizes
+    /// of the iris times pixels per unit of q.
+    #[must_use]
+    pub fn pixels_per_defocus(&self) -> DVec2 {
+        self.iris.half_sizes() * self.film.pixels_per_q()
+    }
+
     /// Radius of the circle of confusion in pixels (the wider axis) of a surface at `inverse_depth` seen at pixel q,
     /// signed: positive on the lens's side of the plane of focus.
     #[must_use]
     pub fn coc_radius_px(&self, q: DVec2, inverse_depth: f64) -> f64 {
-        self.iris.radius() * self.film.pixels_per_q().max_element() * self.focus.defocus(q, inverse_depth)
+        self.pixels_per_defocus().max_element() * self.focus.defocus(q, inverse_depth)
     }
 }

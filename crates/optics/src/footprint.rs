@@ -17,7 +17,8 @@ pub enum Reading {
 /// `spread u / (1 - lean . u)`.
 ///
 /// This is eq. (5) exactly, in either reading. In a [`Reading::Gather`] through an upright iris `lean` is 0 and `spread`
-/// a multiple of the identity: an exact disc. Offsets are in q, or in pixels after [`Self::in_pixels`]; pixel rows go
+/// a multiple of the identity: an exact disc (of a squeezed iris: an exact oval, twice as tall as wide for a squeeze of 2;
+/// what is said of the disc model below is said of this oval). Offsets are in q, or in pixels after [`Self::in_pixels`]; pixel rows go
 /// down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Footprint {
@@ -33,16 +34,17 @@ impl Footprint {
     #[must_use]
     pub fn new(camera: &Camera, reading: Reading, at: DVec2, inverse_depth: f64) -> Self {
         let (iris, w) = (&camera.iris, camera.focus.w());
-        let (e1, e2, radius) = (iris.e1(), iris.e2(), iris.radius());
+        let (e1, e2, radius, narrowed) = (iris.e1(), iris.e2(), iris.radius(), iris.proportions());
         let axes_z = DVec2::new(e1.z, e2.z);
         let defocus = camera.focus.defocus(at, inverse_depth);
         // l - l_z q is A(q) R u; the denominator is 1 - lean . u
-        let foreshortened = DMat2::from_cols(e1.truncate() - e1.z * at, e2.truncate() - e2.z * at);
+        let narrow = DMat2::from_diagonal(narrowed);
+        let foreshortened = DMat2::from_cols(e1.truncate() - e1.z * at, e2.truncate() - e2.z * at) * narrow;
         let (size, lean) = match reading {
             Reading::Gather => (radius * defocus, radius * camera.focus.inverse_depth(at) * axes_z),
             Reading::Scatter => (-radius * defocus, radius * (DVec2::new(w.dot(e1), w.dot(e2)) + defocus * axes_z)),
         };
-        Self { shape: iris.shape(), disc: DMat2::IDENTITY * size, spread: foreshortened * size, lean }
+        Self { shape: iris.shape(), disc: narrow * size, spread: foreshortened * size, lean: narrowed * lean }
     }
 
     /// The same footprint with its offsets in pixels of a film: x right, y down.

@@ -118,6 +118,18 @@ fn polygon_point(u: DVec2, blades: u32, rotation: f64) -> DVec2 {
 /// Where the iris stands and how wide it opens.
 ///
 /// e1, e2 and the normal m are perpendicular unit vectors in camera space; m.z > 0. A radius of 0 is a pinhole.
+///
+/// An anamorphic lens sees its iris [squeezed](Self::squeezed): the opening's outline, blades and all, is narrower along e1
+/// (or lower along e2), and the radius is the longer half axis of what was the unit circle.
+///
+/// ```
+/// use optics::{ApertureShape, Iris};
+///
+/// // A 2x anamorphic lens: points of light out of focus become ovals twice as tall as wide
+/// let iris = Iris::upright(0.01, ApertureShape::Disc)?.squeezed(2.0)?;
+/// assert_eq!(iris.half_sizes(), glam::DVec2::new(0.005, 0.01));
+/// # Ok::<(), optics::OpticsError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written")]
 pub struct Iris {
@@ -125,6 +137,9 @@ pub struct Iris {
     e2: DVec3,
     m: DVec3,
     radius: f64,
+    /// Height over width.
+    #[serde(skip_serializing_if = "is_one")]
+    squeeze: f64,
     shape: ApertureShape,
 }
 
@@ -143,7 +158,7 @@ impl Iris {
     /// The same, of numbers that are right by construction.
     pub(crate) fn across(m: DVec3, radius: f64, shape: ApertureShape) -> Self {
         let e1 = DVec3::new(m.z, 0.0, -m.x).normalize();
-        Self { e1, e2: m.cross(e1), m, radius, shape }
+        Self { e1, e2: m.cross(e1), m, radius, squeeze: 1.0, shape }
     }
 
     /// An iris parallel to the sensor.
@@ -154,13 +169,24 @@ impl Iris {
     /// The iris that lets only chief rays pass.
     #[must_use]
     pub fn pinhole() -> Self {
-        Self { e1: DVec3::X, e2: DVec3::Y, m: DVec3::Z, radius: 0.0, shape: ApertureShape::Disc }
+        Self { e1: DVec3::X, e2: DVec3::Y, m: DVec3::Z, radius: 0.0, squeeze: 1.0, shape: ApertureShape::Disc }
     }
 
     /// The same iris opened to another radius.
     pub fn with_radius(self, radius: f64) -> Result<Self, OpticsError> {
         in_range("aperture radius", radius, "0 (pinhole) or positive", |r| r >= 0.0)?;
         Ok(Self { radius, ..self })
+    }
+
+    /// The same iris as an anamorphic lens sees it: `squeeze` (0.25 to 4) times as tall as wide, 1 for a spherical lens.
+    ///
+    /// The radius stays that of the longer half axis: 2 halves the width along e1, 0.5 the height along e2. So it is in
+    /// Cycles (Blender's "aperture ratio") for ratios above 1.
+    pub fn squeezed(self, squeeze: f64) -> Result<Self, OpticsError> {
+        in_range("anamorphic squeeze (height of the iris over its width)", squeeze, "0.25 to 4", |ratio| {
+            (0.25..=4.0).contains(&ratio)
+        })?;
+        Ok(Self { squeeze, ..self })
     }
 
     /// First axis of the opening.
@@ -181,13 +207,31 @@ impl Iris {
         self.m
     }
 
-    /// Radius in scene units; 0 for a pinhole.
+    /// Radius in scene units, along the longer axis if it is squeezed; 0 for a pinhole.
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Outline.
+    /// How many times as tall (along e2) as wide (along e1) it is; 1 unless it is [squeezed](Self::squeezed).
+    #[must_use]
+    pub fn squeeze(&self) -> f64 {
+        self.squeeze
+    }
+
+    /// Half width along e1 and half height along e2 of an opening of radius 1; the longer one is 1.
+    #[must_use]
+    pub fn proportions(&self) -> DVec2 {
+        DVec2::new(self.squeeze.recip(), self.squeeze).min(DVec2::ONE)
+    }
+
+    /// Half width along e1 and half height along e2 in scene units; the longer one is the radius.
+    #[must_use]
+    pub fn half_sizes(&self) -> DVec2 {
+        self.radius * self.proportions()
+    }
+
+    /// Outline, before it is squeezed.
     #[must_use]
     pub fn shape(&self) -> ApertureShape {
         self.shape
@@ -199,7 +243,7 @@ impl Iris {
         if self.radius == 0.0 {
             return DVec3::ZERO;
         }
-        let p = self.radius * self.shape.sample(u);
+        let p = self.half_sizes() * self.shape.sample(u);
         self.e1 * p.x + self.e2 * p.y
     }
 }
@@ -211,20 +255,32 @@ struct Written {
     e2: DVec3,
     m: DVec3,
     radius: f64,
+    #[serde(default = "one")]
+    squeeze: f64,
     shape: ApertureShape,
+}
+
+/// What files that say nothing of a squeeze mean.
+fn one() -> f64 {
+    1.0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_one(squeeze: &f64) -> bool {
+    *squeeze == 1.0
 }
 
 impl TryFrom<Written> for Iris {
     type Error = OpticsError;
 
-    fn try_from(Written { e1, e2, m, radius, shape }: Written) -> Result<Self, OpticsError> {
+    fn try_from(Written { e1, e2, m, radius, squeeze, shape }: Written) -> Result<Self, OpticsError> {
         const LOOSE: f64 = 1e-6; // what a file with floats may be off by
         // A frame that is orthonormal and right is kept to the bit; its first axis may be turned, the normal not
-        Self::new(m, radius, shape)?;
+        Self::new(m, radius, shape)?.squeezed(squeeze)?;
         let is_unit = |axis: DVec3| (axis.length() - 1.0).abs() <= LOOSE;
         if !(is_unit(e1) && is_unit(m) && e1.dot(m).abs() <= LOOSE && e2.distance(m.cross(e1)) <= LOOSE) {
             return Err(OpticsError::NotAFrame("e1, e2 and m of the iris are no right-handed frame"));
         }
-        Ok(Self { e1, e2, m, radius, shape })
+        Ok(Self { e1, e2, m, radius, squeeze, shape })
     }
 }

@@ -77,6 +77,6 @@ impl Camera {
         if self.iris.radius() == 0.0 {
             return Wedge::new(self.focus, f64::INFINITY);
         }
-        Wedge::new(self.focus, coc_radius_px / (self.iris.radius() * self.film.pixels_per_q().max_element()))
+        Wedge::new(self.focus, coc_radius_px / self.pixels_per_defocus().max_element())
     }
 }

@@ -5,7 +5,7 @@ mod random_lens;
 use glam::{DMat2, DVec2};
 use optics::{ApertureShape, Iris};
 use proptest::prelude::*;
-use random_lens::{shape, unit_square};
+use random_lens::{shape, squeeze, unit_square};
 
 fn shapes() -> Vec<ApertureShape> {
     let polygon = |blades, turn| ApertureShape::polygon(blades, turn).unwrap();
@@ -57,14 +57,17 @@ proptest! {
 
     #[test]
     fn iris_points_lie_on_the_iris(
-        shape in shape(), m in [-0.5..0.5f64, -0.5..0.5f64], radius in 1e-4..0.1f64, u in unit_square(),
+        shape in shape(), m in [-0.5..0.5f64, -0.5..0.5f64], radius in 1e-4..0.1f64, squeeze in squeeze(),
+        u in unit_square(),
     ) {
-        let iris = Iris::new(glam::DVec3::new(m[0], m[1], 1.0), radius, shape).unwrap();
+        let iris = Iris::new(glam::DVec3::new(m[0], m[1], 1.0), radius, shape).unwrap().squeezed(squeeze).unwrap();
         let u = DVec2::from_array(u);
         let p = iris.point(u);
         prop_assert!(p.dot(iris.normal()).abs() < 1e-15);
         let plane = DVec2::new(p.dot(iris.e1()), p.dot(iris.e2()));
-        prop_assert!((plane / radius - shape.sample(u)).length() < 1e-13);
+        prop_assert!((plane / iris.half_sizes() - shape.sample(u)).length() < 1e-13);
+        prop_assert_eq!(iris.half_sizes().max_element(), radius);
+        prop_assert!((iris.half_sizes().y / iris.half_sizes().x - squeeze).abs() < 1e-15 * squeeze.max(1.0));
         // The frame is orthonormal and turns as x, y, z do
         prop_assert!((iris.e1().cross(iris.e2()) - iris.normal()).length() < 1e-15);
         prop_assert_eq!(iris.e1().y, 0.0);

@@ -132,11 +132,36 @@ fn gathering_knows_a_hundredth_of_a_pixel_of_skew_where_scattering_knows_several
     Ok(())
 }
 
+#[test]
+fn a_squeezed_iris_blurs_to_an_oval_of_its_proportions() -> Result<(), OpticsError> {
+    let lens = ThinLens::new(0.05, 2.0, 0.05)?.focused_at(DVec2::ZERO, 4.0)?;
+    let film = lens.film([0.036, 0.024], 1500, 1000)?;
+    for (squeeze, half_sizes) in [(2.0, DVec2::new(0.5, 1.0)), (0.5, DVec2::new(1.0, 0.5)), (1.0, DVec2::ONE)] {
+        let camera = lens.camera(Pose::IDENTITY, film, lens.iris(ApertureShape::Disc).squeezed(squeeze)?)?;
+        assert_eq!(camera.iris.half_sizes(), 0.0125 * half_sizes);
+        // R s |D| pixels along the longer axis, in both readings, and the bound says no less
+        let radius = 0.0125 * film.pixels_per_q().x * 0.25;
+        assert!((camera.coc_radius_px(DVec2::ZERO, 0.5) - radius).abs() < 1e-9);
+        for reading in [Reading::Gather, Reading::Scatter] {
+            let footprint = Footprint::new(&camera, reading, DVec2::ZERO, 0.5).in_pixels(&film);
+            for (axis, half_size) in [(DVec2::X, half_sizes.x), (DVec2::Y, half_sizes.y)] {
+                assert!((footprint.support(axis) - radius * half_size).abs() < 1e-9, "{reading:?} {squeeze}");
+            }
+            assert_eq!(footprint.foreshortening(), 0.0);
+            let covariance = footprint.moments().unwrap().covariance;
+            let wanted = DMat2::from_diagonal((0.5 * radius * half_sizes).powf(2.0));
+            assert!(covariance.abs_diff_eq(wanted, 1e-9), "{covariance} {wanted}");
+        }
+    }
+    Ok(())
+}
+
 proptest! {
     #[test]
     fn skew_and_foreshortening_follow_the_closed_forms(
         (lens, camera) in lens_camera(), place in unit_square(), inverse_depth in 0.0..3.0f64,
     ) {
+        let camera = Camera { iris: camera.iris.squeezed(1.0).unwrap(), ..camera };
         let at = q_at(&camera.film, place);
         let (radius, sin) = (camera.iris.radius(), lens.total_tilt().sin());
         let w = camera.focus.inverse_depth(at);

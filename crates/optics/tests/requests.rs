@@ -156,6 +156,9 @@ fn numbers_outside_their_range() {
     }
     out_of_range("shift", lens().shifted(DVec2::new(f64::NAN, 0.0)).map(drop));
     out_of_range("blades", ApertureShape::polygon(2, 0.0).map(drop));
+    for squeeze in [0.0, 0.2, 4.1, -1.0, f64::NAN, f64::INFINITY] {
+        out_of_range("squeeze", Iris::pinhole().squeezed(squeeze).map(drop));
+    }
     out_of_range("iris", Iris::new(DVec3::NEG_Z, 1.0, ApertureShape::Disc).map(drop));
     // Tilts that would put U behind the lens: theta and tilt of different signs, or a plane behind
     out_of_range("Nakane", Nakane::from_lens_tilt(0.7, -0.1, 0.05).map(drop));
@@ -182,6 +185,11 @@ fn files_are_checked_as_calls_are() {
     let text = serde_json::to_string(&camera).unwrap();
     let read = |text: &str| serde_json::from_str::<Camera>(text).map_err(|error| error.to_string());
     assert_eq!(read(&text), Ok(camera));
+    let anamorphic = Camera { iris: iris.squeezed(1.33).unwrap(), ..camera };
+    let squeezed = serde_json::to_string(&anamorphic).unwrap();
+    assert_eq!(read(&squeezed), Ok(anamorphic));
+    let error = read(&squeezed.replace("1.33", "133")).unwrap_err();
+    assert!(error.contains("squeeze (height of the iris over its width) is 133"), "{error}");
     for (good, bad, words) in [
         (r#""width":64"#, r#""width":0"#, "picture width in pixels is 0"),
         (r#""radius":0.01"#, r#""radius":-1"#, "aperture radius is -1"),

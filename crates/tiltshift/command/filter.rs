@@ -32,7 +32,7 @@ pub(crate) struct Options {
     /// Also write an 8-bit sRGB PNG.
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
-    /// Also write the signed radius of the circle of confusion in pixels, positive on the lens's side of the plane of
+    /// Also write the signed radius (of the wider axis) of the circle of confusion in pixels, positive on the lens's side of the plane of
     /// focus, as a channel "coc" of the result.
     #[arg(long)]
     coc: bool,
@@ -75,7 +75,7 @@ pub(crate) struct MethodOptions {
     /// Largest error in pixels that a simpler footprint may make (with --kernel auto).
     #[arg(long, value_name = "PX", default_value_t = KernelModel::DEFAULT_TOLERANCE_PX)]
     kernel_tolerance: f64,
-    /// Largest radius of the circle of confusion in pixels; a quarter of the picture's width without.
+    /// Largest radius (of the wider axis) of the circle of confusion in pixels; a quarter of the picture's width without.
     #[arg(long, value_name = "PX")]
     max_radius: Option<f32>,
     /// How many of the file's layers to use; all without.

@@ -18,6 +18,7 @@ struct Setup {
     w: DVec3,
     normal: DVec3,
     shape: ApertureShape,
+    squeeze: f64,
     p: DVec2,
     depth: f64,
 }
@@ -45,7 +46,8 @@ fn camera(setup: &Setup) -> Camera {
     let focus = Focus::new(setup.w).unwrap();
     let defocus = 1.0 / setup.depth - focus.inverse_depth(setup.p);
     let radius = SPOT_PX / (defocus.abs() * film.pixels_per_q().x);
-    Camera { pose: Pose::IDENTITY, film, focus, iris: Iris::new(setup.normal, radius, setup.shape).unwrap() }
+    let iris = Iris::new(setup.normal, radius, setup.shape).unwrap().squeezed(setup.squeeze).unwrap();
+    Camera { pose: Pose::IDENTITY, film, focus, iris }
 }
 
 /// Where the point (p, 1) / inverse depth lands through L: q - p = -D (l - l_z p) / (1 - w.L - D l_z).
@@ -115,7 +117,7 @@ fn a_small_light_makes_the_spot_that_the_closed_form_says() {
     let tilted = |w: DVec3, v: f64| w + DVec3::Z / v;
     let setup = |name, w: [f64; 3], v: f64, shape, p: [f64; 2], depth| {
         let w = DVec3::from_array(w);
-        Setup { name, w, normal: tilted(w, v), shape, p: DVec2::from_array(p), depth }
+        Setup { name, w, normal: tilted(w, v), shape, squeeze: 1.0, p: DVec2::from_array(p), depth }
     };
     let disc = ApertureShape::Disc;
     let pentagon = ApertureShape::polygon(5, 0.4).unwrap();
@@ -127,6 +129,10 @@ fn a_small_light_makes_the_spot_that_the_closed_form_says() {
         Setup {
             normal: DVec3::Z,
             ..setup("upright iris with five blades", [0.1, -0.2, 0.1], 1.0, pentagon, [0.15, 0.1], 3.0)
+        },
+        Setup {
+            squeeze: 2.0,
+            ..setup("tilted anamorphic lens with five blades", [0.02, -0.2, 0.1], 1.0, pentagon, [0.1, 0.1], 4.0)
         },
     ];
     for setup in setups {
@@ -142,5 +148,28 @@ fn a_small_light_makes_the_spot_that_the_closed_form_says() {
         assert!(worst < 0.01 * size, "{}: second moments off by {worst} of {size}", setup.name);
         // 20 px across, as a disc of that variance
         assert!(4.0 * size.sqrt() > 20.0 || setup.shape != disc, "{}: {size}", setup.name);
+    }
+}
+
+#[test]
+fn an_anamorphic_lens_makes_spots_as_wide_and_high_as_it_is_squeezed() {
+    for (squeeze, half_sizes) in [(2.0, DVec2::new(0.5, 1.0)), (0.8, DVec2::new(1.0, 0.8))] {
+        let w = DVec3::new(0.0, 0.0, 0.1);
+        let setup = Setup {
+            name: "anamorphic",
+            w,
+            normal: DVec3::Z,
+            shape: ApertureShape::Disc,
+            squeeze,
+            p: DVec2::new(0.001, 0.002),
+            depth: 5.0,
+        };
+        let camera = camera(&setup);
+        let around = camera.film.pixel_from_q(setup.p);
+        // A uniform ellipse has a variance of a quarter of its half axis squared, a square light of side^2 / 12
+        let wanted = (SPOT_PX * half_sizes).powf(2.0) / 4.0 + LIGHT_PX * LIGHT_PX / 12.0;
+        let found = traced(&setup, &camera, around).spread;
+        let off = DVec2::new(found.x_axis.x, found.y_axis.y) - wanted;
+        assert!((off / wanted).abs().max_element() < 0.01, "{found} {wanted}");
     }
 }

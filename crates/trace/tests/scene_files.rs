@@ -151,6 +151,7 @@ fn lenses_that_say_too_much_or_too_little_are_refused() {
     fails(lens("focus = { distance = 0.1 }\nfocal_length = 0.2"), &[shot]);
     fails(lens("focus = { distance = 3 }\naperture = { radius = -1 }"), &[shot, "aperture radius"]);
     fails(lens("focus = { distance = 3 }\nblades = { count = 2 }"), &[shot, "3 to 32"]);
+    fails(lens("focus = { distance = 3 }\nanamorphic = 9"), &[shot, "0.25 to 4"]);
     fails(
         lens("focus = { distance = 3 }\niris = { normal = [0, 1, 0.1] }\naperture = { radius = 1 }"),
         &[shot, "edge-on"],

@@ -27,12 +27,13 @@ fn at_one_depth_the_light_is_kept_for_every_iris_and_radius() {
     let polygon = |blades| ApertureShape::polygon(blades, 0.3).unwrap();
     let tilted = DVec3::new(0.1, -0.25, 1.0);
     let irises = [
-        (ApertureShape::Disc, DVec3::Z, KernelModel::Disc),
-        (polygon(5), DVec3::Z, KernelModel::Disc),
-        (polygon(6), DVec3::Z, KernelModel::Disc),
-        (ApertureShape::Disc, tilted, KernelModel::Ellipse),
+        (ApertureShape::Disc, DVec3::Z, KernelModel::Disc, 1.0),
+        (polygon(5), DVec3::Z, KernelModel::Disc, 1.0),
+        (polygon(6), DVec3::Z, KernelModel::Disc, 1.0),
+        (ApertureShape::Disc, tilted, KernelModel::Ellipse, 1.0),
+        (polygon(5), tilted, KernelModel::Ellipse, 0.5),
     ];
-    for (shape, normal, model) in irises {
+    for (shape, normal, model, squeeze) in irises {
         for radius in [0.3, 0.5, 0.55, 1.0, 1.7, 3.9, 9.0, 12.5, 21.0, 40.0] {
             for behind in [-1.0, 1.0] {
                 // So many pixels per unit of q that the ellipse is the same all over the picture
@@ -40,7 +41,7 @@ fn at_one_depth_the_light_is_kept_for_every_iris_and_radius() {
                     pose: Pose::IDENTITY,
                     film: Film::new(DVec2::splat(-0.01), DVec2::splat(0.01), 160, 160).unwrap(),
                     focus: Focus::new(DVec3::new(0.0, 0.0, 0.5 + 0.25 * behind)).unwrap(),
-                    iris: Iris::new(normal, radius / (8000.0 * 0.25), shape).unwrap(),
+                    iris: Iris::new(normal, radius / (8000.0 * 0.25), shape).unwrap().squeezed(squeeze).unwrap(),
                 };
                 let settings = GatherSettings {
                     kernel: KernelRule::Forced(model),

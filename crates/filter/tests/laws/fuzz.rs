@@ -61,7 +61,7 @@ fn frame(seed: u32, least: f32, alpha: bool) -> Frame {
 fn for_all(alpha: bool, least: f32, check: impl Fn(&Method, u32, &Frame, &Picture)) {
     for seed in (0..SEEDS).map(|seed| 1000 * seed) {
         let frame = frame(seed, least, alpha);
-        for lens in &lenses()[1..] {
+        for lens in &lenses()[1..5] {
             for method in all_methods() {
                 check(&method, seed, &frame, &filtered(&frame, &over(DISPLAY, lens), &method));
             }

@@ -1,6 +1,7 @@
 //! What every method must do on every frame, and known answers of the blur itself.
 
 mod always;
+mod anamorphic;
 mod answers;
 mod bands;
 mod energy;

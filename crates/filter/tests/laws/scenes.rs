@@ -61,12 +61,14 @@ pub(crate) fn all_methods() -> Vec<Method> {
 pub(crate) fn lenses() -> Vec<Camera> {
     let pentagon = ApertureShape::polygon(5, 0.3).unwrap();
     let (tilted, z) = (DVec3::new(0.1, -0.15, 1.0), DVec3::Z);
+    let anamorphic = camera(DVec3::new(0.2, -0.4, 0.4), tilted, 0.15, pentagon);
     vec![
         camera(DVec3::new(0.0, 0.0, 0.5), z, 0.0, ApertureShape::Disc),
         camera(DVec3::new(0.0, 0.0, 0.5), z, 0.2, ApertureShape::Disc),
         camera(DVec3::new(0.3, -1.5, 0.2), z, 0.15, pentagon),
         camera(DVec3::new(0.2, -0.4, 0.4), tilted, 0.15, ApertureShape::Disc),
         camera(DVec3::new(-2.0, 1.0, -0.1), tilted, 0.08, pentagon),
+        Camera { iris: anamorphic.iris.squeezed(0.3).unwrap(), ..anamorphic },
     ]
 }
 

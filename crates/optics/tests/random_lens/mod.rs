@@ -16,6 +16,11 @@ pub fn shape() -> impl Strategy<Value = ApertureShape> {
     ]
 }
 
+/// Spherical and anamorphic.
+pub fn squeeze() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(1.0), 0.25..4.0f64]
+}
+
 /// 15-200 mm, f/1-f/22, focused on the axis from 0.5 m to 50 m, tilt and swing up to 12 degrees, shift up to 12 mm.
 pub fn lens() -> impl Strategy<Value = ThinLens> {
     let movements = (-0.21..0.21f64, -0.21..0.21f64, -0.012..0.012f64, -0.012..0.012f64);
@@ -32,20 +37,22 @@ pub fn tilted_lens() -> impl Strategy<Value = ThinLens> {
 
 /// A lens on a camera, its iris tilted with it.
 pub fn lens_camera() -> impl Strategy<Value = (ThinLens, Camera)> {
-    (lens(), shape()).prop_map(|(lens, shape)| {
+    (lens(), shape(), squeeze()).prop_map(|(lens, shape, squeeze)| {
         let film = lens.film(SENSOR, 640, 427).unwrap();
-        (lens, lens.camera(Pose::IDENTITY, film, lens.iris(shape)).unwrap())
+        (lens, lens.camera(Pose::IDENTITY, film, lens.iris(shape).squeezed(squeeze).unwrap()).unwrap())
     })
 }
 
 /// Any plane of focus, in front, behind or through the picture, and any iris up to 20 mm leaning up to 35 degrees.
 pub fn raw_camera() -> impl Strategy<Value = Camera> {
     let w = [-2.0..2.0f64, -2.0..2.0f64, -2.0..2.0f64];
-    (w, [-0.5..0.5f64, -0.5..0.5f64], 1e-3..0.02f64, shape()).prop_map(|(w, m, radius, shape)| Camera {
-        pose: Pose::IDENTITY,
-        film: Film::from_fov(0.9, 640, 360).unwrap(),
-        focus: Focus::new(DVec3::from_array(w)).unwrap(),
-        iris: Iris::new(DVec3::new(m[0], m[1], 1.0), radius, shape).unwrap(),
+    (w, [-0.5..0.5f64, -0.5..0.5f64], 1e-3..0.02f64, shape(), squeeze()).prop_map(|(w, m, radius, shape, squeeze)| {
+        Camera {
+            pose: Pose::IDENTITY,
+            film: Film::from_fov(0.9, 640, 360).unwrap(),
+            focus: Focus::new(DVec3::from_array(w)).unwrap(),
+            iris: Iris::new(DVec3::new(m[0], m[1], 1.0), radius, shape).unwrap().squeezed(squeeze).unwrap(),
+        }
     })
 }
 

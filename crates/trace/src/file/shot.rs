@@ -186,7 +186,7 @@ fn iris(spec: &LensSpec, lens: Option<&ThinLens>) -> Result<Iris, Fault> {
             );
         }
     };
-    Ok(Iris::new(normal, radius, shape)?)
+    Ok(Iris::new(normal, radius, shape)?.squeezed(spec.anamorphic.unwrap_or(1.0))?)
 }
 
 fn film(film: &FilmSpec, lens: &LensSpec, image_distance: Option<f64>, millimetre: Option<f64>) -> Result<Film, Fault> {

@@ -166,6 +166,7 @@ sparse_table!(
         aperture: ApertureSpec,
         iris: IrisSpec,
         blades: BladesSpec,
+        anamorphic: f64,
     }
 );
 

@@ -14,7 +14,7 @@ const LEAST_PARALLAX_PX: f64 = 0.05;
 /// marked that lie so near to a pixel where the inverse depth is not affine: planes have affine inverse depths.
 pub(super) fn near_edges(depth: &Plane, camera: &Camera) -> Mask {
     let window = depth.window();
-    let lens_px = camera.iris.radius() * camera.film.pixels_per_q().max_element();
+    let lens_px = camera.pixels_per_defocus().max_element();
     let inverse = |x: i32, y: i32| depth.get(x, y).map(|z| 1.0 / f64::from(z));
 
     // Stamp a square of the reach of each jump, as sums of rows and columns of differences
