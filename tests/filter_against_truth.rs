@@ -11,12 +11,13 @@ mod support {
 }
 
 use compare::MaskKind;
+use filter::{LensRaysSettings, Method};
 use glam::DVec3;
-use optics::{ApertureShape, Focus};
+use optics::{ApertureShape, Camera, Focus};
 use support::score::Score;
 use support::shots::{Filtered, RUNGS, filtered, rung};
 use support::table::Table;
-use support::traced::{Traced, mirrored, scene, with_shape};
+use support::traced::{Traced, mirrored, scene, with_iris, with_shape};
 
 /// How far below its floor a filter with a wrong sign must fall, dB: ten times the error.
 const WIDE_DB: f64 = 10.0;
@@ -113,7 +114,7 @@ fn a_defocus_of_the_wrong_sign_turns_a_three_bladed_iris_upside_down() {
     /// How far below its floor, dB: four times the error. Measured: 7.9.
     const WIDE_DB: f64 = 6.0;
     let blades = |rotation| ApertureShape::polygon(3, rotation).expect("three blades");
-    let traced = Traced::new(&scene("landscape"), "miniature", 128, Some(blades(0.3)));
+    let traced = Traced::new(&scene("landscape"), "miniature", 128, |camera| with_shape(camera, blades(0.3)));
     let upside_down = with_shape(&traced.camera, blades(0.3 + std::f64::consts::PI));
     let right = traced.score(rung(3));
     let wrong = traced.score_of(&traced.frame, &upside_down, rung(3));
@@ -124,4 +125,26 @@ fn a_defocus_of_the_wrong_sign_turns_a_three_bladed_iris_upside_down() {
     let short = right.shortfalls("three blades", FLOOR);
     assert!(short.is_empty(), "{}", short.join("\n"));
     assert!(wrong.all() < FLOOR.all() - WIDE_DB, "{:.2} dB with a wrong sign", wrong.all());
+}
+
+/// The truth can tell how an anamorphic lens squeezes its iris, and every method follows.
+#[test]
+fn the_wrong_squeeze_of_an_anamorphic_lens_falls_through_the_floor() {
+    /// Measured less the slack of the shots' floors: merged, lens rays.
+    const FLOORS: [Score; 2] = [Score([52.1, 50.6, 55.5]), Score([52.2, 51.1, 54.1])];
+    let squeezed = |camera: &Camera, squeeze| with_iris(camera, camera.iris.squeezed(squeeze).expect("a squeeze"));
+    let traced = Traced::new(&scene("landscape"), "miniature", 128, |camera| squeezed(camera, 2.0));
+    let mut table = Table::new("A 2x anamorphic lens");
+    for (method, floor) in [rung(3), Method::LensRays(LensRaysSettings::default())].into_iter().zip(FLOORS) {
+        let right = traced.score(method);
+        table.row("landscape/miniature", method.name(), right, Some(floor));
+        let short = right.shortfalls(method.name(), floor);
+        assert!(short.is_empty(), "{}", short.join("\n"));
+        for squeeze in [1.0, 0.5] {
+            let wrong = traced.score_of(&traced.frame, &squeezed(&traced.camera, squeeze), method);
+            table.row("landscape/miniature", &format!("{}, squeeze {squeeze}", method.name()), wrong, None);
+            assert!(wrong.all() < floor.all() - WIDE_DB, "{:.2} dB with a squeeze of {squeeze}", wrong.all());
+        }
+    }
+    table.print();
 }

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use filter::{GatherSettings, Method};
+use optics::Camera;
 
 use crate::support::score::Score;
 use crate::support::traced::{Traced, scene};
@@ -62,7 +63,7 @@ pub(crate) fn filtered() -> &'static [Filtered] {
         let all = SHOTS.iter().map(|shot| {
             let (wanted, name) = shot.name.split_once('/').expect("SCENE/NAME");
             let (_, scene) = scenes.iter().find(|(name, _)| *name == wanted).expect("a scene of the project");
-            let traced = Traced::new(scene, name, shot.samples, None);
+            let traced = Traced::new(scene, name, shot.samples, Camera::clone);
             let scores = [0, 1, 2, 3].map(|i| traced.score(rung(i)));
             Filtered { shot, traced, scores }
         });

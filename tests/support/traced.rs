@@ -30,14 +30,12 @@ pub(crate) struct Traced {
 }
 
 impl Traced {
-    /// Traces a shot with `samples` per pixel, through its own iris or one of another shape.
-    pub(crate) fn new(scene: &SceneFile, shot: &str, samples: u32, shape: Option<ApertureShape>) -> Self {
+    /// Traces a shot with `samples` per pixel, its camera changed as wished.
+    pub(crate) fn new(scene: &SceneFile, shot: &str, samples: u32, change: impl Fn(&Camera) -> Camera) -> Self {
         let mut camera = scene.shot(Some(shot)).expect("a shot of the scene").camera;
         let [width, height] = SIZE;
         camera.film = camera.film.resized(width, height).expect("a size in pixels");
-        if let Some(shape) = shape {
-            camera = with_shape(&camera, shape);
-        }
+        let camera = change(&camera);
         let display = PixelWindow::of_size(width, height);
 
         let [truth_seed, color_seed] = SEEDS;
@@ -79,6 +77,11 @@ pub(crate) fn scene(name: &str) -> SceneFile {
 /// The same camera with an iris of another shape.
 pub(crate) fn with_shape(camera: &Camera, shape: ApertureShape) -> Camera {
     let iris = Iris::new(camera.iris.normal(), camera.iris.radius(), shape).expect("an iris");
+    with_iris(camera, iris)
+}
+
+/// The same camera with another iris.
+pub(crate) fn with_iris(camera: &Camera, iris: Iris) -> Camera {
     Camera { iris, ..*camera }
 }
 

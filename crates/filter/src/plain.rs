@@ -106,7 +106,7 @@ fn give(
         slab: (piece.inverse_depth * px / SLAB_PX).floor() as i64,
         share: f64::from(weight * slope),
         rgba: piece.rgba.map(|c| f64::from(c / piece.cover)),
-        point: [dx, dy].map(|d| f64::from(d * to_lens)),
+        point: lens.unskewed(dx, dy).map(|d| f64::from(d * to_lens)),
         trust: f64::from(trust),
         sharpness: f64::from((0.5 * radius).clamp(0.5, 4.0)),
     })

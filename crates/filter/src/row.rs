@@ -69,6 +69,9 @@ pub(crate) trait Footprint: Sync {
         y: f32x8<S>,
         kernel: &Lanes<S>,
     ) -> f32x8<S>;
+
+    /// An offset in pixels as one in iris coordinates, where every footprint is as wide as high.
+    fn to_iris<S: Simd>(&self, lens: &PixelLens, x: f32x8<S>, y: f32x8<S>) -> [f32x8<S>; 2];
 }
 
 /// A kernel for each lane.
@@ -111,6 +114,11 @@ impl Footprint for Round {
     fn weight<S: Simd>(&self, _: &BlockTap, _: &PixelLens, x: f32x8<S>, y: f32x8<S>, kernel: &Lanes<S>) -> f32x8<S> {
         kernel.at(x.mul_add(x, y * y))
     }
+
+    #[inline(always)]
+    fn to_iris<S: Simd>(&self, _: &PixelLens, x: f32x8<S>, y: f32x8<S>) -> [f32x8<S>; 2] {
+        [x, y]
+    }
 }
 
 /// Any iris, foreshortened and skewed or not.
@@ -126,8 +134,7 @@ impl Footprint for Shaped<'_> {
         y: f32x8<S>,
         kernel: &Lanes<S>,
     ) -> f32x8<S> {
-        let m = &lens.to_iris;
-        let (mut u, mut v) = (x * m[0] + y * m[1], x * m[2] + y * m[3]);
+        let [mut u, mut v] = self.to_iris(lens, x, y);
         // Undo the skew where the footprint is large enough to have a shape
         if lens.skew != [0.0; 2] && tap.weight.defocus.abs() > 0.5 {
             let lean = (u * lens.skew[0] + v * lens.skew[1]) * (1.0 / tap.weight.defocus) + 1.0;
@@ -152,6 +159,12 @@ impl Footprint for Shaped<'_> {
                 (kernel.at(-low) - weight) * tap.weight.mirror + weight
             }
         }
+    }
+
+    #[inline(always)]
+    fn to_iris<S: Simd>(&self, lens: &PixelLens, x: f32x8<S>, y: f32x8<S>) -> [f32x8<S>; 2] {
+        let m = &lens.to_iris;
+        [x * m[0] + y * m[1], x * m[2] + y * m[3]]
     }
 }
 
@@ -291,9 +304,10 @@ fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool, const HIDD
         share *= slope.max(0.5).min(2.0);
 
         // Leave out the part of the lens that nearer things hide
+        let [u, v] = footprint.to_iris(shared.lens, dx, dy);
         let to_lens = f32x8::splat(simd, weight.to_lens_change).mul_add(defocus, f32x8::splat(simd, weight.to_lens));
         if HIDDEN {
-            let along = dx.mul_add(hidden.direction[0], dy * hidden.direction[1]) * to_lens;
+            let along = u.mul_add(hidden.direction[0], v * hidden.direction[1]) * to_lens;
             let open = ((hidden.edge - along) * weight.sharpness + 0.5).max(0.0).min(1.0);
             let strength = hidden.strength * weight.trust;
             share *= strength.mul_add(open - 1.0, f32x8::splat(simd, 1.0));
@@ -308,7 +322,7 @@ fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool, const HIDD
         }
         if LENS {
             let point = share * to_lens * weight.trust;
-            sums.lens = [point.mul_add(dx, sums.lens[0]), point.mul_add(dy, sums.lens[1])];
+            sums.lens = [point.mul_add(u, sums.lens[0]), point.mul_add(v, sums.lens[1])];
         }
     }
     sums
