@@ -94,7 +94,7 @@ fn the_predicted_error_follows_the_true_one_on_shots_it_was_not_calibrated_on() 
     const RANK: f64 = 0.5;
     let mut failures = Vec::new();
     for (name, shot) in [("simple", "swing_shift"), ("simple", "tilt_shift"), ("landscape", "double")] {
-        let traced = Traced::new(&scene(name), shot, SAMPLES, None);
+        let traced = Traced::new(&scene(name), shot, SAMPLES, optics::Camera::clone);
         for layers in [1, 2] {
             let settings = GatherSettings { layers, predict_error: true, ..GatherSettings::default() };
             let (view, display) = (FrameView::whole(&traced.frame), traced.frame.display);
