@@ -28,6 +28,11 @@ pub(crate) const SIDES_PER_RADIUS: f32 = 8.0;
 /// Blurs of more cells are left to the gather, which finds a size for each piece.
 const MOST_CELLS: i32 = 36;
 
+/// Where the defocus of a thing changes by more than this from pixel to pixel, in pixels of radius, kernels of less than the
+/// second are left to the gather.
+const STEEP_FOCUS: f32 = 0.02;
+const LEAST_RADIUS_WHERE_STEEP: f32 = 2.0;
+
 /// Table entries per cell of radius.
 const STEPS: f32 = 32.0;
 
@@ -151,6 +156,11 @@ impl<'a> Lattice<'a> {
             }
         }
         let (least, largest) = (least.min(self.max_radius), largest.min(self.max_radius));
+        // A kernel is affine in the focus on the way from one pixel to another; next to the plane of focus it is not
+        let bend = lens.focus_slope[0].hypot(lens.focus_slope[1]) * lens.center.scale;
+        if bend > STEEP_FOCUS && least < LEAST_RADIUS_WHERE_STEEP {
+            return None;
+        }
         let level = (least / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
         let level = level.min(self.levels.len() as u32);
         let cells = (largest / (1 << level) as f32 + 1.0) * lens.stretch;
