@@ -341,7 +341,9 @@ fn lattice_moments(outline: &Outline, Oval(half_height): Oval, kernel: &Kernel, 
     let times = |k: i32| if is_disc && k > 0 { 2.0 } else { 1.0 };
     for y in first(rows)..=rows {
         for x in first(columns)..=columns {
-            let weight = times(x) * times(y) * f64::from(kernel.at(outline.metric(x as f32 * half_height, y as f32 / half_height)));
+            let weight = times(x)
+                * times(y)
+                * f64::from(kernel.at(outline.metric(x as f32 * half_height, y as f32 / half_height)));
             sum += weight;
             second = [second[0] + weight * f64::from(x * x), second[1] + weight * f64::from(y * y)];
         }
