@@ -209,7 +209,7 @@ impl Gather<'_> {
                 }
                 match self.coarseness(left, &lens) {
                     0 => {
-                        self.each_pixel::<S, F, DOUBT>(simd, footprint, &lens, left, has_plan, tile, &mut scratch, out)
+                        self.each_pixel::<S, F, DOUBT>(simd, footprint, &lens, left, has_plan, tile, &mut scratch, out);
                     }
                     level => {
                         let cells = (left, level);

@@ -168,7 +168,7 @@ pub(crate) fn sum<S: Simd, const BENT: bool, const ODD: bool, const OPAQUE: bool
         let is_there = sums[0].simd_gt(0.0);
         // A quotient and no product, so that alpha is 1 in the same bits whether it is summed up or known
         let total = is_there.select(sums[0], one);
-        sums[1..].iter_mut().for_each(|sum| *sum = *sum / total);
+        sums[1..].iter_mut().for_each(|sum| *sum /= total);
         if OPAQUE {
             sums[CHANNELS - 1] = is_there.select(one, zero);
         }
