@@ -2,8 +2,8 @@
 //!
 //! The map was calibrated on `simple/tilt`, `simple/double`, `simple/reverse` and `simple/tilt_swing_shift`; none of them
 //! is used here. `landscape` is another scene, but `landscape/double` was looked at when the Laplacian was chosen among
-//! other features, so that only the two shots of `simple` were never seen. The true error is the root of (F - A)(F - B), mean over R, G
-//! and B and 3x3 pixels, where A and B are two independent halves of the truth: their noise drops out.
+//! other features, so that only the two shots of `simple` were never seen. The true error is the root of (F - A)(F - B),
+//! mean over R, G and B and 3x3 pixels, where A and B are two independent halves of the truth: their noise drops out.
 
 mod support {
     #[allow(dead_code, reason = "other tests use the rest")]

@@ -71,6 +71,14 @@ impl Grid {
         row as usize * self.columns + column as usize
     }
 
+    /// The square of the gap between a square and a window, in pixels.
+    pub(crate) fn squared_gap(&self, index: usize, window: PixelWindow) -> f32 {
+        let (x, y) = self.corner(index);
+        let gap = |at: i32, start: i32, end: i32| (start - (at + self.side)).max(at - end).max(0) as f32;
+        let (across, down) = (gap(x, window.x, window.x_end()), gap(y, window.y, window.y_end()));
+        across * across + down * down
+    }
+
     /// The squares that lie within `margin` pixels of a window along both axes, row by row.
     pub(crate) fn around(&self, window: PixelWindow, margin: i32) -> impl Iterator<Item = usize> + use<> {
         let clamped = |at: i32, first: i32, count: usize| (at.div_euclid(self.side) - first).clamp(0, count as i32 - 1);

@@ -155,12 +155,9 @@ impl<'a> Forest<'a> {
     /// Calls `look` for the range of each square that may touch `tile`.
     pub(crate) fn ranges_around(&self, tile: PixelWindow, reach: &impl Fn(Range) -> f32, mut look: impl FnMut(Range)) {
         let squares = self.prepared.cells.squares;
-        let gap = |at: i32, start: i32, end: i32| (start - (at + SQUARE)).max(at - end).max(0) as f32;
         for square in squares.around(tile, reach(self.range).min(1e6) as i32) {
-            let (x, y) = squares.corner(square);
-            let (across, down) = (gap(x, tile.x, tile.x_end()), gap(y, tile.y, tile.y_end()));
             let reach = reach(self.ranges[square]);
-            if across * across + down * down <= reach * reach {
+            if squares.squared_gap(square, tile) <= reach * reach {
                 look(self.ranges[square]);
             }
         }

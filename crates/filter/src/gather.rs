@@ -20,7 +20,7 @@
 //! **Rung 3** is the same with neighbours merged into squares whose side grows with the blur ([`Forest`]); where no edge is
 //! in sight ([`InSight`](crate::cells::InSight)) it is a plain sum ([`Lattice`]); and where all that touches a tile is
 //! blurred enough, only the centres of cells receive, and the pixels between them are interpolated
-//! ([`upsample`](crate::upsample)). Merged squares alone cost nine times what the three together do at 720p and 20 px
+//! ([`upsample`](crate::upsample)). Merged squares alone cost five times what the three together do at 720p and 20 px
 //! (`benches/results/2026-11-25.md`).
 
 use fearless_simd::{Level, dispatch, f32x8, prelude::*};

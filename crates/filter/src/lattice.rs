@@ -12,11 +12,12 @@ use rayon::prelude::*;
 use rgbd::{PixelWindow, Plane};
 
 use crate::{
-    cells::{BLOCK, Cells, EMPTY, InSight, Range, SQUARE, blocks_of, joined},
+    cells::{BLOCK, Cells, EMPTY, InSight, Range, blocks_of, joined},
     color_pyramid::ColorLevel,
     kernel::{KernelTable, Outline},
-    lattice_sum::{CHANNELS, LANES, Offset, Offsets, Row, SPAN, Span, sum},
+    lattice_sum::{CHANNELS, Offset, Offsets, Row, SPAN, Span, sum},
     lens_map::PixelLens,
+    row::LANES,
     surface::{Surface, finite},
     upsample::{MARGIN, upsample},
     view_lens::{TileLens, ViewLens},
@@ -144,13 +145,10 @@ impl<'a> Lattice<'a> {
     fn plan(&self, tile: PixelWindow, lens: &TileLens) -> Option<Plan> {
         let reach = |range: Range| lens.reach(range, self.max_radius);
         let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
-        let gap = |at: i32, start: i32, end: i32| (start - (at + SQUARE)).max(at - end).max(0) as f32;
         for i in self.cells.squares.around(tile, reach(self.range).min(1e6) as i32) {
             let range = self.cells.square_ranges[i];
-            let (x, y) = self.cells.squares.corner(i);
-            let (across, down) = (gap(x, tile.x, tile.x_end()), gap(y, tile.y, tile.y_end()));
             let reach = reach(range);
-            if across * across + down * down <= reach * reach {
+            if self.cells.squares.squared_gap(i, tile) <= reach * reach {
                 least = least.min(lens.least_radius(range));
                 largest = largest.max(lens.largest_radius(range));
             }
@@ -167,8 +165,8 @@ impl<'a> Lattice<'a> {
         ((cells as i32) < MOST_CELLS && lens.center.scale > 0.0).then_some(Plan { level, largest })
     }
 
-    /// Sums up the blocks of a tile without an edge in sight; whether it does. `put` takes eight pixels of a row: how full the iris is (above 0
-    /// where anything is received, and true only if that is wanted: `OPEN`), and the colour.
+    /// Sums up the blocks of a tile without an edge in sight; whether it does. `put` takes eight pixels of a row: how full
+    /// the iris is (above 0 where anything is received, and true only if that is wanted: `OPEN`), and the colour.
     #[inline(always)]
     pub(crate) fn blocks<S: Simd, const OPEN: bool>(
         &self,

@@ -11,7 +11,8 @@
 //! - *Unknown depth*: where the pixel's own depth is a guess, so is its blur: the contrast around.
 //!
 //! The shares were fitted on `simple/tilt`, `simple/double`, `simple/reverse` and `simple/tilt_swing_shift` (2026-11-25).
-//! The Laplacian was chosen among other features with a look at `landscape/double` too. On other shots, of one layer and of two, it was measured to reach (2026-11-25, 320x180, 512 samples,
+//! The Laplacian was chosen among other features with a look at `landscape/double` too. On other shots, of one layer and of
+//! two, it was measured to reach (2026-11-25, 320x180, 512 samples,
 //! `cargo test --test predicted_error -- --nocapture`; precision and recall of errors above 0.02):
 //!
 //! | shot | rank correlation | precision | recall |
@@ -26,7 +27,7 @@
 use optics::Camera;
 use rgbd::{PixelWindow, Plane};
 
-use crate::{FrameView, apply::coc_radius_px};
+use crate::{FrameView, apply::coc_radius_px, surface::finite};
 
 /// Error of texture over its Laplacian, by blur radius in pixels; linear between, constant beyond.
 const TEXTURE: [[f32; 2]; 9] = [
@@ -47,9 +48,6 @@ const STEPS: i32 = 2;
 
 /// An iris that is open by less than this is full but for rounding.
 const LEAST_OPEN: f32 = 0.01;
-
-/// Brightest colour that counts: the largest half float.
-const BRIGHTEST: f32 = 65504.0;
 
 /// Why a filtered pixel may be wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -124,7 +122,7 @@ fn color(view: &FrameView, x: i32, y: i32) -> [f32; 3] {
     let window = view.window();
     let [r, g, b, _] =
         view.frame().layers()[0].color.at(x.clamp(window.x, window.x_end() - 1), y.clamp(window.y, window.y_end() - 1));
-    [r, g, b].map(|c| if c.is_nan() { 0.0 } else { c.clamp(-BRIGHTEST, BRIGHTEST) })
+    [r, g, b].map(finite)
 }
 
 /// Square of the Laplacian of the colour, mean over R, G and B.

@@ -2,10 +2,7 @@
 
 use rgbd::PixelWindow;
 
-use crate::tiles::TILE;
-
-/// Pixels that are made together.
-const LANES: usize = 8;
+use crate::{row::LANES, tiles::TILE};
 
 /// Cells beyond a window from which its pixels are interpolated, on each side.
 pub(crate) const MARGIN: i32 = 2;

@@ -32,8 +32,8 @@ pub(crate) struct Options {
     /// Also write an 8-bit sRGB PNG.
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
-    /// Also write the signed radius (of the wider axis) of the circle of confusion in pixels, positive on the lens's side of the plane of
-    /// focus, as a channel "coc" of the result.
+    /// Also write the signed radius (of the wider axis) of the circle of confusion in pixels, positive on the lens's side of
+    /// the plane of focus, as a channel "coc" of the result.
     #[arg(long)]
     coc: bool,
     /// Also write how far each pixel may be from the truth, as a channel "predicted_error" of the result (methods gather
