@@ -16,12 +16,13 @@ use crate::{
     own_coc::own_coc,
     predicted::{PredictedError, predicted_error},
     surface::{HOLE_REACH, NEAREST, pixel_q},
+    tiles::TILE,
     unmix::UNMIX_REACH,
 };
 
-/// What a gather reads beyond the blur, in pixels: the eight pixels of a vector share what is hidden, and squares of 16
-/// pixels are read whole, with a margin of three quarters of their side.
-const GATHER_REACH: u32 = 7 + 16 + 12;
+/// What a gather reads beyond the blur, in pixels: a tile is planned as a whole, and squares of 16 pixels are read whole,
+/// with a margin of three quarters of their side.
+const GATHER_REACH: u32 = TILE - 1 + 16 + 12;
 
 /// What is read around a pixel to take it apart: pure pixels, what lies beside them, slopes, smoothed hidden colour,
 /// rounding.
@@ -179,7 +180,7 @@ pub fn apply(
 /// How many pixels around a window a method may look at on this frame; finite for each method.
 ///
 /// That is at least the largest blur; where silhouettes are taken apart and hidden background is filled in, five times the
-/// blur's difference over the frame's depths and up to 90 pixels more (squares, lanes, holes).
+/// blur's difference over the frame's depths and up to 115 pixels more (squares, holes).
 #[must_use]
 pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
     let Some(settings) = method.settings() else { return 0 };

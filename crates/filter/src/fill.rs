@@ -72,7 +72,7 @@ pub(crate) fn fill(first: &Surface, splits: &[Split], hidden: &mut [Surface], li
                     continue;
                 }
                 let by = [(u - from_x) as f32, (v - from_y) as f32];
-                let distance = by[0].hypot(by[1]);
+                let distance = (by[0] * by[0] + by[1] * by[1]).sqrt();
                 let known =
                     hidden.iter().filter(|surface| surface.cover[i] > 0.0).map(|surface| surface.inverse_depth[i]);
                 let behind = known.reduce(f32::min).unwrap_or_else(|| split.plane(by));
@@ -138,17 +138,17 @@ fn continued(first: &Surface, split: &Split, i: usize, by: [f32; 2], jump: f32) 
     let window = first.window;
     let width = window.width as usize;
     let (x, y) = ((split.index % width) as f32, (split.index / width) as f32);
-    let step = 0.25 * by[0].hypot(by[1]);
+    let step = 0.25 * (by[0] * by[0] + by[1] * by[1]).sqrt();
     let square = |rgba: [f32; 4]| rgba.iter().map(|c| c * c).sum::<f32>();
     let (mut sum, mut squares, mut count) = (split.far, square(split.far), 1.0);
     // Every other place of five by five tells as much
     for (dx, dy) in neighbours(2).chain([(0, 0)]).filter(|(dx, dy)| (dx + dy) % 2 == 0) {
         let to = [step * dx as f32 - by[0], step * dy as f32 - by[1]];
-        let (u, v) = ((x + to[0]).round(), (y + to[1]).round());
+        let (u, v) = (x + to[0] + 0.5, y + to[1] + 0.5);
         if u < 0.0 || v < 0.0 || u >= window.width as f32 || v >= window.height as f32 {
             continue;
         }
-        let j = v as usize * width + u as usize;
+        let j = v as i32 as usize * width + u as i32 as usize;
         if (first.inverse_depth[j] - split.plane(to)).abs() <= jump && first.cover[j] > 0.99 {
             sum.iter_mut().zip(first.rgba[j]).for_each(|(sum, c)| *sum += c);
             squares += square(first.rgba[j]);

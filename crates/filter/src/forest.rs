@@ -99,6 +99,7 @@ impl<'a> Forest<'a> {
     ///
     /// `reach` tells how many pixels a range of inverse depth reaches at most, `serves` whether a merged piece may stand
     /// for its parts, `merges` whether one within a range may at all.
+    #[inline(always)]
     pub(crate) fn visit(
         &self,
         tile: PixelWindow,
@@ -165,6 +166,7 @@ impl<'a> Forest<'a> {
 
     /// The pieces of the square whose first pixel is `corner`, row by row, without those of which the place and the inverse
     /// depth touch nothing.
+    #[inline(always)]
     fn visit_leaves(&self, corner: (i32, i32), touches: impl Fn(f32, f32, f32) -> bool, take: &mut impl FnMut(&Piece)) {
         let (window, first) = (self.prepared.window(), &self.prepared.first);
         let columns = corner.0.max(window.x)..(corner.0 + SQUARE).min(window.x_end());
@@ -176,7 +178,7 @@ impl<'a> Forest<'a> {
             for (i, x) in (from..).zip(columns.clone()) {
                 let touches = |s: f32| touches(x as f32, y as f32, s);
                 if first.cover[i] > 0.0 && touches(first.inverse_depth[i]) {
-                    take(&self.prepared.leaf(i as u32));
+                    take(&self.prepared.first_leaf(i, (x, y)));
                 }
                 while let Some(fragment) = fragments.get(next).filter(|f| f.index as usize == i) {
                     if touches(fragment.inverse_depth) {
@@ -207,25 +209,28 @@ impl Prepared {
         let window = self.window();
         let count = window.area() as u32;
         if i < count {
-            let (first, (x, y)) = (&self.first, self.place(i));
-            let i = i as usize;
-            let s = first.inverse_depth[i];
-            let (x, y) = (x as f32, y as f32);
-            let (slope, cover, rgba) = (first.slope(i), first.cover[i], first.rgba[i]);
-            Piece {
-                x,
-                y,
-                size: 1.0,
-                inverse_depth: s,
-                range: [s; 2],
-                slope,
-                cover,
-                rgba,
-                doubt: self.doubt[i],
-                parts: (0, 0),
-            }
+            self.first_leaf(i as usize, self.place(i))
         } else {
             self.fragment(&self.fragments[(i - count) as usize])
+        }
+    }
+
+    /// The first layer's pixel at a row-major index and a place.
+    #[inline(always)]
+    fn first_leaf(&self, i: usize, (x, y): (i32, i32)) -> Piece {
+        let first = &self.first;
+        let s = first.inverse_depth[i];
+        Piece {
+            x: x as f32,
+            y: y as f32,
+            size: 1.0,
+            inverse_depth: s,
+            range: [s; 2],
+            slope: first.slope(i, (x - first.window.x) as usize),
+            cover: first.cover[i],
+            rgba: first.rgba[i],
+            doubt: self.doubt[i],
+            parts: (0, 0),
         }
     }
 
@@ -282,7 +287,7 @@ impl Grower<'_> {
             if window.contains(x, y) {
                 let i = window.index(x, y) as u32;
                 if self.prepared.first.cover[i as usize] > 0.0 {
-                    items.push((self.prepared.leaf(i), i | LEAF));
+                    items.push((self.prepared.first_leaf(i as usize, (x, y)), i | LEAF));
                 }
                 let cursor = &mut cursors[dy as usize];
                 while let Some(fragment) = self.prepared.fragments.get(*cursor).filter(|f| f.index == i) {

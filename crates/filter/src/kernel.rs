@@ -36,6 +36,7 @@ pub(crate) struct Kernel {
 
 impl Kernel {
     /// The kernel that ends at `edge`, where the next pixel is at least `step` away; both in iris coordinates.
+    #[inline(always)]
     fn of_edge(outline: &Outline, edge: f32, step: f32, weight: f32) -> Self {
         match outline {
             // The ramp from e^2 - e to e^2 + e is one pixel wide; a disc smaller than half a pixel keeps to its pixel
@@ -105,6 +106,32 @@ impl Outline {
         match self {
             Self::Disc => 1.0 / (size * size),
             Self::Polygon { .. } => 1.0 / size,
+        }
+    }
+
+    /// Start and slope of the ramp of a kernel that is 1 inside and ends at `edge` pixels, neither small ones nor ovals being
+    /// drawn sharper than a pixel.
+    #[inline(always)]
+    pub(crate) fn ramp(&self, edge: f32) -> [f32; 2] {
+        let kernel = Kernel::of_edge(self, edge, 1.0, 1.0);
+        [kernel.a, kernel.b]
+    }
+
+    /// The edge of a kernel.
+    pub(crate) fn edge(&self, kernel: &Kernel) -> f32 {
+        let metric = ((kernel.a - 0.5 * kernel.weight) / kernel.b).max(0.0);
+        match self {
+            Self::Disc => metric.sqrt(),
+            Self::Polygon { apothem, .. } => metric / apothem,
+        }
+    }
+
+    /// Change of the metric at an edge with the edge.
+    #[inline(always)]
+    pub(crate) fn metric_change(&self, edge: f32) -> f32 {
+        match self {
+            Self::Disc => 2.0 * edge,
+            Self::Polygon { apothem, .. } => *apothem,
         }
     }
 
@@ -235,8 +262,7 @@ impl KernelTable {
     /// The share of the mirrored outline in a footprint of `radius` pixels, 0 to 1/2.
     #[inline(always)]
     pub(crate) fn mirror(&self, radius: f32) -> f32 {
-        let shorter = radius / self.oval.longer();
-        0.5 - (0.25 * (shorter - 2.0)).clamp(0.0, 0.5)
+        mirrored_share(radius / self.oval.longer())
     }
 
     /// The same where the lattice no longer matters: a disc of edge e with its ramp has area pi e^2 and variance
@@ -288,6 +314,12 @@ impl KernelTable {
             |k: Kernel, by: f32, metric: f32| Kernel { a: k.a * by, b: k.b * by * metric, weight: k.weight * by };
         (scaled(kernel, share, metric / share), scaled(change, of_radius, metric / share))
     }
+}
+
+/// The share of the mirrored outline in a footprint whose shorter half axis is `shorter` pixels, 0 to 1/2.
+#[inline(always)]
+pub(crate) fn mirrored_share(shorter: f32) -> f32 {
+    0.5 - (0.25 * (shorter - 2.0)).clamp(0.0, 0.5)
 }
 
 /// The stretch at a radius in a table of them; 1 beyond it.

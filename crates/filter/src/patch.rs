@@ -54,7 +54,7 @@ fn patches(surface: &Surface, slack: f32, is_whole: bool) -> Vec<Patch> {
         if surface.cover[i] <= 0.0 {
             return Patch::NOTHING;
         }
-        let alone = if is_whole { [0.0; 2] } else { surface.slope(i) };
+        let alone = if is_whole { [0.0; 2] } else { surface.slope(i, (x - window.x) as usize) };
         let gx = slope([-2, -1, 0, 1, 2].map(|d| value(x + d, y)), slack, alone[0]);
         let gy = slope([-2, -1, 0, 1, 2].map(|d| value(x, y + d)), slack, alone[1]);
         let patch = Patch { s: surface.inverse_depth[i], gx, gy, slack };

@@ -8,13 +8,8 @@ use optics::Camera;
 use rgbd::{Picture, PixelWindow};
 
 use crate::{
-    FrameView,
-    gather::{GatherRun, SLAB_PX},
-    kernel::KernelTable,
-    lens_map::PixelLens,
-    prepare::Prepared,
-    surface::pixel_q,
-    tap::SLOPE_FROM,
+    FrameView, gather::GatherRun, kernel::KernelTable, lens_map::PixelLens, prepare::Prepared, surface::pixel_q,
+    tap::SLOPE_FROM, taps::SLAB_PX, view_lens::ViewLens,
 };
 
 /// A surface's part of a pixel.
@@ -46,11 +41,16 @@ pub(crate) fn plain(view: &FrameView, camera: &Camera, run: &GatherRun, window: 
     let prepared = Prepared::new(view, camera, run.layers, run.fill_reach, run.sides);
     let table = KernelTable::of(camera);
     let pieces = pieces(&prepared);
+    let lens = ViewLens { view, camera, model: run.model };
+    let in_sight = lens.in_sight(&prepared.cells, run.max_radius.min(run.largest_radius));
     Picture::from_fn(window, |x, y| {
         let lens = PixelLens::new(camera, run.model, pixel_q(view, camera, x, y));
         let px = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
         let given = pieces.iter().filter_map(|piece| give(piece, (x, y), &lens, &table, px, run.max_radius));
         let mut given: Vec<Given> = given.collect();
+        if !in_sight.at(x, y) {
+            given.iter_mut().for_each(|given| given.slab = 0);
+        }
         given.sort_by_key(|given| std::cmp::Reverse(given.slab));
         add_up(&given).unwrap_or_else(|| {
             let first = &prepared.first;
@@ -64,7 +64,7 @@ fn pieces(prepared: &Prepared) -> Vec<Piece> {
     let place = |i: usize| (window.x + i as i32 % window.width as i32, window.y + i as i32 / window.width as i32);
     let of_first = (0..window.area()).filter(|&i| first.cover[i] > 0.0).map(|i| {
         let (x, y) = place(i);
-        let (inverse_depth, slope) = (first.inverse_depth[i], first.slope(i));
+        let (inverse_depth, slope) = (first.inverse_depth[i], first.slope(i, i % window.width as usize));
         Piece { x, y, inverse_depth, slope, cover: first.cover[i], rgba: first.rgba[i] }
     });
     let of_fragments = prepared.fragments.iter().map(|f| {

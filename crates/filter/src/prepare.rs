@@ -8,7 +8,7 @@ use crate::{
     cells::Cells,
     fill::{FillLimits, fill},
     fragment::Fragment,
-    surface::{Surface, pixel_q},
+    surface::{Surface, Tame, pixel_q},
     unmix::{least_jump, neighbours, splits},
 };
 
@@ -73,7 +73,7 @@ impl Prepared {
                 index: i as u32,
                 cover: surface.cover[i],
                 inverse_depth: surface.inverse_depth[i],
-                slope: surface.slope(i),
+                slope: surface.slopes[i],
                 rgba: surface.rgba[i],
                 doubt: 0.0,
             }));
@@ -118,6 +118,7 @@ impl Prepared {
             slopes: vec![[0.0; 2]; first.cover.len()],
             rgba: vec![[0.0; 4]; first.cover.len()],
             cover: vec![0.0; first.cover.len()],
+            tame: Tame::default(),
         };
         let (mut behind, mut before): (Vec<Surface>, Option<Surface>) = (Vec::new(), None);
         for of_pixel in fragments.chunk_by(|a, b| a.index == b.index) {
@@ -160,7 +161,7 @@ fn smooth(surface: &mut Surface, jump: f32) {
     let width = window.width as i32;
     let smoothed = |i: usize| {
         let (x, y) = (i as i32 % width, i as i32 / width);
-        let (mut sum, mut total, slope) = (surface.rgba[i], 1.0, surface.slope(i));
+        let (mut sum, mut total, slope) = (surface.rgba[i], 1.0, surface.slopes[i]);
         for (dx, dy) in neighbours(1) {
             let (u, v) = (x + dx, y + dy);
             if u < 0 || v < 0 || u >= width || v >= window.height as i32 {

@@ -30,6 +30,17 @@ pub(crate) struct Surface {
     pub(crate) cover: Vec<f32>,
     /// Change of inverse depth per pixel in x and y; empty in the first layer, where it is the one of the pixels around.
     pub(crate) slopes: Vec<[f32; 2]>,
+    /// What its colours spare those who read them in the layer itself.
+    pub(crate) tame: Tame,
+}
+
+/// What a layer's colours spare those who read them.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Tame {
+    /// Whether all alpha is 1.
+    pub(crate) is_opaque: bool,
+    /// Whether no colour has to be made finite.
+    pub(crate) is_finite: bool,
 }
 
 impl Surface {
@@ -46,17 +57,24 @@ impl Surface {
             rgba: vec![[0.0; 4]; window.area()],
             cover: vec![1.0; window.area()],
             slopes: Vec::new(),
+            tame: Tame::default(),
         };
         let rows = surface.rgba.par_chunks_mut(width).zip(surface.cover.par_chunks_mut(width));
         let rows = rows.zip(surface.inverse_depth.par_chunks_mut(width)).enumerate();
-        rows.for_each(|(row, ((rgba, cover), inverse))| {
+        let tame = rows.map(|(row, ((rgba, cover), inverse))| {
             let y = window.y + row as i32;
             let start = data.index(window.x, y);
             let part = start..start + width;
             let [r, g, b, a] = [r, g, b, a].map(|plane| &plane.values()[part.clone()]);
+            let all = |plane: &[f32], is_good: fn(f32) -> bool| plane.iter().fold(true, |all, &c| all & is_good(c));
+            let is_finite = [r, g, b, a].into_iter().all(|plane| all(plane, |c| c.abs() <= BRIGHTEST));
             for ((((rgba, &r), &g), &b), &a) in rgba.iter_mut().zip(r).zip(g).zip(b).zip(a) {
-                *rgba = [r, g, b, a].map(finite);
+                *rgba = [r, g, b, a];
             }
+            if !is_finite {
+                rgba.iter_mut().for_each(|rgba| *rgba = rgba.map(finite));
+            }
+            let tame = Tame { is_opaque: all(a, |alpha| alpha == 1.0), is_finite };
             // The first layer always fills its pixel: its alpha is part of the colour. A hidden one fills what alpha says
             let known = &layer.known.bits()[part.clone()];
             if index > 0 {
@@ -71,25 +89,31 @@ impl Surface {
                 let guess = cover[x] > 0.0;
                 inverse[x] = if guess { inverse_depth(view, camera, layer, window.x + x as i32, y) } else { 0.0 };
             }
+            tame
         });
+        surface.tame = tame.reduce(
+            || Tame { is_opaque: true, is_finite: true },
+            |a, b| Tame { is_opaque: a.is_opaque & b.is_opaque, is_finite: a.is_finite & b.is_finite },
+        );
 
         // Pixels of hidden layers will be dropped, so that their slopes are taken now
         if index > 0 {
-            let slope = |i: usize| surface.slope_of_neighbours(i);
+            let slope = |i: usize| surface.slope_of_neighbours(i, i % width);
             surface.slopes = (0..window.area()).into_par_iter().map(slope).collect();
         }
         surface
     }
 
-    /// Change of inverse depth per pixel in x and y on the surface itself.
+    /// Change of inverse depth per pixel in x and y on the surface itself, at a pixel of the window's `column`.
     #[inline(always)]
-    pub(crate) fn slope(&self, i: usize) -> [f32; 2] {
-        if self.slopes.is_empty() { self.slope_of_neighbours(i) } else { self.slopes[i] }
+    pub(crate) fn slope(&self, i: usize, column: usize) -> [f32; 2] {
+        if self.slopes.is_empty() { self.slope_of_neighbours(i, column) } else { self.slopes[i] }
     }
 
     /// The flatter of the two one-sided slopes on each axis: exact on a plane, and at an edge that of the side the pixel
     /// lies on.
-    fn slope_of_neighbours(&self, i: usize) -> [f32; 2] {
+    #[inline(always)]
+    fn slope_of_neighbours(&self, i: usize, column: usize) -> [f32; 2] {
         let (width, count) = (self.window.width as usize, self.cover.len());
         if self.cover[i] <= 0.0 {
             return [0.0; 2];
@@ -102,7 +126,6 @@ impl Surface {
                 0.0
             }
         };
-        let column = i % width;
         [axis(1, column > 0 && column + 1 < width), axis(width, i >= width && i + width < count)]
     }
 }

@@ -102,7 +102,7 @@ fn mark_sides(surface: &Surface, cells: &Cells, row: usize, jump: f32, sides: &m
         if high - here[x] <= jump && here[x] - low <= jump {
             continue;
         }
-        let [dx, dy] = surface.slope(row * width + x);
+        let [dx, dy] = surface.slope(row * width + x, x);
         let rise = [-dx - dy, -dy, dx - dy, -dx, dx, dy - dx, dy, dx + dy];
         for (there, rise) in around.into_iter().zip(rise) {
             let step = there - here[x] - rise;
@@ -226,7 +226,7 @@ impl Splitter<'_> {
     fn guesses(&self, index: usize) -> (Option<Guess>, Option<Guess>, f32) {
         let width = self.first.window.width as usize;
         let (x, y) = ((index % width) as i32, (index / width) as i32);
-        let (here, slope) = (self.first.inverse_depth[index], self.first.slope(index));
+        let (here, slope) = (self.first.inverse_depth[index], self.first.slope(index, x as usize));
         let is_near = self.sides[index] == Side::Near;
         let [mut own, mut own_mixed, mut other, mut other_mixed] = [Guess::default(); 4];
         let mut tent = 0.25;
@@ -250,7 +250,13 @@ impl Splitter<'_> {
                 (false, false) => &mut own_mixed,
             };
             let weight = self.nearness[(dx * dx + dy * dy) as usize];
-            guess.add(weight, self.first.rgba[i], self.first.inverse_depth[i], self.first.slope(i), (dx, dy));
+            guess.add(
+                weight,
+                self.first.rgba[i],
+                self.first.inverse_depth[i],
+                self.first.slope(i, u as usize),
+                (dx, dy),
+            );
         }
         (own.mean().or_else(|| own_mixed.mean()), other.mean().or_else(|| other_mixed.mean()), tent)
     }
@@ -260,7 +266,7 @@ impl Splitter<'_> {
         let farther = self.first.inverse_depth[index] - self.jump;
         let surface = self.behind.iter().find(|s| s.cover[index] > 0.5 && s.inverse_depth[index] < farther)?;
         let rgba = surface.rgba[index].map(|c| c / surface.cover[index]);
-        let (depth, slope) = (surface.inverse_depth[index], surface.slope(index));
+        let (depth, slope) = (surface.inverse_depth[index], surface.slopes[index]);
         Some(Guess { weight: 1.0, rgba, variance: 0.0, depth, nearest: depth, slope })
     }
 }

@@ -4,7 +4,11 @@ use glam::DVec2;
 use optics::{Camera, KernelModel};
 use rgbd::PixelWindow;
 
-use crate::{FrameView, cells::Range, lens_map::PixelLens};
+use crate::{
+    FrameView,
+    cells::{BLOCK, Cells, InSight, Range},
+    lens_map::PixelLens,
+};
 
 /// A camera's lens over the pixels of a view.
 #[derive(Clone, Copy)]
@@ -52,6 +56,21 @@ impl ViewLens<'_> {
         [(right - origin) as f32, (below - origin) as f32]
     }
 
+    /// The blocks from which an edge may be seen through a blur of at most `largest` pixels of radius.
+    pub(crate) fn in_sight(&self, cells: &Cells, largest: f32) -> InSight {
+        let corners = self.at_corners();
+        let widest = corners.iter().map(|lens| lens.widest).fold(0.0, f32::max);
+        let stretch = corners.iter().map(PixelLens::stretch).fold(1.0, f32::max);
+        let slope = self.focus_slope().map(|s| s * widest);
+        let steepness = slope[0].hypot(slope[1]).min(0.9);
+        cells.in_sight(|[far, near], x, y| {
+            // The focus changes on the way to who sees it, and over both blocks
+            let focus = self.at(f64::from(x), f64::from(y)).focus;
+            let radius = widest * (near - focus).abs().max((far - focus).abs()) + steepness * 2.0 * BLOCK as f32;
+            (radius / (1.0 - steepness)).min(largest * stretch) + 2.0
+        })
+    }
+
     /// The lens at the corners of the frame's data, which is the same for every view of it.
     pub(crate) fn at_corners(&self) -> [PixelLens; 4] {
         let data = self.view.frame().data();
@@ -61,6 +80,7 @@ impl ViewLens<'_> {
 }
 
 /// The lens over a tile.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct TileLens {
     pub(crate) center: PixelLens,
     /// The tile's centre in pixels.

@@ -1,0 +1,272 @@
+//! The lattice at work: kernels are laid out, summed up, and interpolated between the cells.
+
+use fearless_simd::prelude::*;
+
+use crate::{
+    kernel::{Outline, mirrored_share},
+    lattice::{Lattice, Plan, STEPS},
+    lattice_sum::{CHANNELS, Offset, Offsets, Row, SPAN, Span, sum},
+    lens_map::PixelLens,
+    row::LANES,
+    surface::finite,
+    upsample::{MARGIN, upsample},
+    view_lens::TileLens,
+};
+
+/// What a thread keeps from tile to tile.
+#[derive(Default)]
+pub(crate) struct LatticeScratch {
+    rows: Vec<Row>,
+    offsets: Offsets,
+    spans: Vec<Span>,
+    sums: [Vec<f32>; CHANNELS],
+}
+
+impl Lattice<'_> {
+    /// Sums up the blocks of a tile without an edge in sight. `put` takes eight pixels of a row: how full the iris is
+    /// (above 0 where anything is received, and true only if that is wanted: `OPEN`), and the colour.
+    #[inline(always)]
+    pub(crate) fn sum_up<S: Simd, const OPEN: bool>(
+        &self,
+        simd: S,
+        plan: &Plan,
+        lens: &TileLens,
+        scratch: &mut LatticeScratch,
+        mut put: impl FnMut(i32, i32, &[[f32; LANES]; CHANNELS]),
+    ) {
+        let part = plan.part;
+        let side = 1 << plan.level;
+        let margin = if plan.level == 0 { 0 } else { MARGIN };
+        let [columns, lines] = [part.width, part.height].map(|length| length as i32 / side + 2 * margin);
+        let first = (part.x / side - margin, part.y / side - margin);
+        self.offsets(lens, plan.largest / side as f32, &mut scratch.offsets);
+        let reach = scratch.offsets.reach;
+
+        // Lay out what the cells receive from
+        let is_bent = lens.focus_slope != [0.0; 2] || lens.center.skew != [0.0; 2] || self.is_odd();
+        let (width, height) = ((columns + 2 * reach) as usize, (lines + 2 * reach + 1) as usize);
+        scratch.rows.resize_with(height.max(scratch.rows.len()), Row::default);
+        for (j, row) in scratch.rows[..height].iter_mut().enumerate() {
+            let start = (first.0 - reach, first.1 - reach + j as i32);
+            let largest = plan.largest / side as f32;
+            if is_bent {
+                self.lay_out::<true, OPEN>(plan.level, start, width, lens, largest, row);
+            } else {
+                self.lay_out::<false, OPEN>(plan.level, start, width, lens, largest, row);
+            }
+        }
+
+        // Sum up eight cells of two rows at a time
+        let width = (columns as usize).next_multiple_of(LANES);
+        scratch.sums.iter_mut().for_each(|plane| plane.resize(width * (lines as usize + 1), 0.0));
+        for j in (0..lines).step_by(2) {
+            let rows = &scratch.rows[j as usize..(j + 2 * reach + 2) as usize];
+            scratch.offsets.spans(rows, &mut scratch.spans);
+            for i in (0..columns).step_by(LANES) {
+                if plan.level == 0 && self.in_sight.at(part.x + i, part.y + j) {
+                    continue;
+                }
+                let mut sums = self.sum(simd, (rows, &scratch.spans, &scratch.offsets), i as usize, is_bent);
+                for (row, sums) in sums.iter_mut().enumerate() {
+                    if OPEN {
+                        // The weights were divided by the blur radius
+                        let own = &scratch.rows[(j + reach) as usize + row].inverse[(i + reach) as usize..];
+                        let full = sums[0].iter_mut().zip(own).filter(|(_, own)| **own != 0.0);
+                        full.for_each(|(full, own)| *full = (*full / own.abs()).min(1.0));
+                    }
+                    if plan.level == 0 {
+                        put(part.x + i, part.y + j + row as i32, sums);
+                    } else {
+                        let to = (j as usize + row) * width + i as usize;
+                        for (plane, sums) in scratch.sums.iter_mut().zip(sums) {
+                            plane[to..to + LANES].copy_from_slice(sums);
+                        }
+                    }
+                }
+            }
+        }
+        if plan.level > 0 {
+            upsample(part, plan.level, &scratch.sums, width, |x, y| !self.in_sight.at(x, y), put);
+        }
+    }
+
+    /// Whether the outline upside down is another one.
+    fn is_odd(&self) -> bool {
+        match &self.outline {
+            Outline::Disc => false,
+            Outline::Polygon { normals, .. } => normals.len() % 2 == 1,
+        }
+    }
+
+    #[inline(always)]
+    fn sum<S: Simd>(
+        &self,
+        simd: S,
+        (rows, spans, offsets): (&[Row], &[Span], &Offsets),
+        x: usize,
+        is_bent: bool,
+    ) -> [[[f32; LANES]; CHANNELS]; 2] {
+        match (is_bent, self.is_odd(), self.is_opaque) {
+            (false, false, true) => sum::<S, false, false, true>(simd, rows, spans, offsets, x),
+            (false, false, false) => sum::<S, false, false, false>(simd, rows, spans, offsets, x),
+            (true, false, true) => sum::<S, true, false, true>(simd, rows, spans, offsets, x),
+            (true, false, false) => sum::<S, true, false, false>(simd, rows, spans, offsets, x),
+            (_, true, true) => sum::<S, true, true, true>(simd, rows, spans, offsets, x),
+            (_, true, false) => sum::<S, true, true, false>(simd, rows, spans, offsets, x),
+        }
+    }
+
+    /// Lays out `count` cells of a row, starting at `first`.
+    #[inline(always)]
+    fn lay_out<const BENT: bool, const OPEN: bool>(
+        &self,
+        level: u32,
+        first: (i32, i32),
+        count: usize,
+        lens: &TileLens,
+        largest: f32,
+        row: &mut Row,
+    ) {
+        let level_ref = level.checked_sub(1).map(|i| &self.levels[i as usize]);
+        let window = level_ref.map_or(self.surface.window, |level| level.window);
+        let from = (window.x - first.0).clamp(0, count as i32) as usize;
+        let to = (window.x_end() - first.0).clamp(0, count as i32) as usize;
+        let is_there = (window.y..window.y_end()).contains(&first.1) && from < to;
+        if !is_there || from > 0 || to < count {
+            row.clear(count);
+        }
+        if !is_there {
+            return;
+        }
+        let start = window.index(first.0 + from as i32, first.1);
+        let part = start..start + (to - from);
+        let inverse_depth = level_ref.map_or(&self.surface.inverse_depth, |level| &level.inverse_depth);
+
+        // Blur radii in cells, for the focus at the cells themselves
+        let side = (1 << level) as f32;
+        let center = |k: i32| (k as f32 + 0.5) * side - 0.5;
+        let per_cell = lens.focus_slope[0] * side;
+        let at_start = lens.focus_at(center(first.0), center(first.1)) + per_cell * from as f32;
+        let (scale, limit) = (lens.center.scale / side, self.max_radius / side);
+        let less = if level == 0 { 0.0 } else { (1.0 - 1.0 / (side * side)) / (12.0 * self.variance) };
+        let mut radii = [0.0; SPAN];
+        let (radii, inverse) = (&mut radii[..to - from], &mut row.inverse[from..to]);
+        let mut row_radius = 0.0_f32;
+        for (i, ((radius, inverse), &s)) in
+            radii.iter_mut().zip(&mut *inverse).zip(&inverse_depth[part.clone()]).enumerate()
+        {
+            let defocus = scale * (s - (at_start + per_cell * i as f32));
+            let cut = defocus.abs().min(limit);
+            *radius = if level == 0 { cut } else { (cut * cut - less).max(0.25).sqrt() };
+            row_radius = if *radius > row_radius { *radius } else { row_radius };
+            *inverse = defocus;
+        }
+
+        // Edges and weights from the table, kernels from the edges
+        let last = (self.table.len() - 1) as f32;
+        let [edges, changes] = &mut [[0.0; SPAN]; 2];
+        let (edges, changes) = (&mut edges[..to - from], &mut changes[..to - from]);
+        let cells = radii.iter().zip(&mut *edges).zip(&mut *changes).zip(&mut row.weight[from..to]);
+        for (((&own, edge), change), weight) in cells {
+            let place = (own * STEPS).min(last);
+            let k = place as usize;
+            let t = place - k as f32;
+            let Some(&[first_edge, edge_change, first_weight, weight_change]) = self.table.get(k) else { continue };
+            *edge = first_edge + t * edge_change;
+            *weight = first_weight + t * weight_change;
+            if BENT {
+                *change = edge_change;
+            }
+        }
+        for ((a, b), &edge) in row.a[from..to].iter_mut().zip(&mut row.b[from..to]).zip(&*edges) {
+            [*a, *b] = self.outline.ramp(edge);
+        }
+        if BENT {
+            let cells = row.turn[from..to].iter_mut().zip(&*edges).zip(&*changes).zip(&row.b[from..to]);
+            for ((((turn, &edge), &change), &b), &defocus) in cells.zip(&*inverse) {
+                let per_cell = STEPS * change * b * self.outline.metric_change(edge);
+                *turn = if defocus.abs() > limit { 0.0 } else { per_cell.copysign(defocus) };
+            }
+            for ((mirrored, &defocus), &own) in row.mirrored[from..to].iter_mut().zip(&*inverse).zip(&*radii) {
+                let mirror = mirrored_share(own);
+                *mirrored = if defocus < 0.0 { 1.0 - mirror } else { mirror };
+            }
+        }
+        if BENT || OPEN {
+            for (inverse, own) in inverse.iter_mut().zip(&*radii) {
+                *inverse = (1.0 / own.max(1.0)).copysign(*inverse);
+            }
+        }
+
+        // The focus changes on the way to a receiving cell
+        let bend = lens.focus_slope[0].hypot(lens.focus_slope[1]) * lens.center.scale;
+        row.limit = self.metric_limit((row_radius * (1.0 + 1.5 * bend) + 2.0 * bend).min(largest), &lens.center);
+
+        // Colours by weight; nobody asks for an alpha that is 1
+        let channels = if self.is_opaque { 3 } else { 4 };
+        match level_ref {
+            None => {
+                let data = self.colors[0].window();
+                let start = data.index(first.0 + from as i32, first.1);
+                for (out, plane) in row.rgba[..channels].iter_mut().zip(self.colors) {
+                    let values = &plane.values()[start..start + (to - from)];
+                    let weighted = out[from..to].iter_mut().zip(&row.weight[from..to]).zip(values);
+                    if self.is_finite {
+                        weighted.for_each(|((out, weight), c)| *out = weight * c);
+                    } else {
+                        weighted.for_each(|((out, weight), &c)| *out = weight * finite(c));
+                    }
+                }
+            }
+            Some(level) => {
+                for (weight, cover) in row.weight[from..to].iter_mut().zip(&level.cover[part.clone()]) {
+                    *weight *= cover;
+                }
+                for (out, plane) in row.rgba[..channels].iter_mut().zip(&level.rgba) {
+                    let values = &plane[part.clone()];
+                    for ((out, weight), &c) in out[from..to].iter_mut().zip(&row.weight[from..to]).zip(values) {
+                        *out = weight * c;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The metric beyond which a kernel of a radius in cells is 0.
+    #[inline(always)]
+    fn metric_limit(&self, radius: f32, lens: &PixelLens) -> f32 {
+        let skew = lens.skew[0].hypot(lens.skew[1]);
+        let entry = self.table[((radius * STEPS).ceil() as usize).min(self.table.len() - 1)];
+        let [a, b] = self.outline.ramp(entry[0]);
+        (a / b) * (1.0 + skew) * (1.0 + skew) + 0.5
+    }
+
+    /// The offsets that a blur of at most `largest` cells reaches over.
+    fn offsets(&self, lens: &TileLens, largest: f32, offsets: &mut Offsets) {
+        let center = &lens.center;
+        let skew = center.skew[0].hypot(center.skew[1]);
+        let limit = self.metric_limit(largest, center);
+        let bend = lens.focus_slope.map(|s| s * center.scale);
+        let is_disc = matches!(self.outline, Outline::Disc);
+        let metrics = |dx: i32, dy: i32| {
+            let (x, y) = (dx as f32, dy as f32);
+            let m = &center.to_iris;
+            let (u, v) = (m[0] * x + m[1] * y, m[2] * x + m[3] * y);
+            let skew = center.skew[0] * u + center.skew[1] * v;
+            let bend = bend[0] * x + bend[1] * y;
+            let less = if is_disc { bend * bend } else { 0.0 };
+            Offset {
+                metric: self.outline.metric(u, v) - less,
+                mirrored: self.outline.metric(-u, -v) - less,
+                bend,
+                skew,
+            }
+        };
+        let reach = ((largest + 1.0) * lens.stretch * (1.0 + skew)) as i32 + 1;
+        offsets.fill(reach, |dx, dy| {
+            let offset = metrics(dx, dy);
+            let least = offset.metric.min(offset.mirrored);
+            (offset, least <= limit)
+        });
+    }
+}
