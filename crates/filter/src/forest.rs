@@ -37,6 +37,8 @@ pub(crate) struct Piece {
     pub(crate) rgba: [f32; 4],
     /// Mean over the cover of how far the colour may be off.
     pub(crate) doubt: f32,
+    /// Whether all of it belongs to the first surface.
+    pub(crate) is_first: bool,
     /// Where its parts stand in the list of its square, and how many there are; none for a pixel's own.
     parts: (u32, u32),
 }
@@ -230,6 +232,7 @@ impl Prepared {
             cover: first.cover[i],
             rgba: first.rgba[i],
             doubt: self.doubt[i],
+            is_first: true,
             parts: (0, 0),
         }
     }
@@ -247,6 +250,7 @@ impl Prepared {
             cover: fragment.cover,
             rgba: fragment.rgba,
             doubt: fragment.doubt,
+            is_first: false,
             parts: (0, 0),
         }
     }
@@ -369,6 +373,7 @@ fn branch(items: &[Item], size: f32, trees: &mut Trees) -> Item {
         sum.rgba.iter_mut().zip(piece.rgba).for_each(|(sum, c)| *sum += c);
         sum.doubt += cover * piece.doubt;
         sum.cover += cover;
+        sum.is_first &= piece.is_first;
         sum.range = joined(sum.range, piece.range);
         trees.parts.push(*name);
     }
@@ -392,6 +397,7 @@ const NOTHING: Piece = Piece {
     cover: 0.0,
     rgba: [0.0; 4],
     doubt: 0.0,
+    is_first: true,
     parts: (0, 0),
 };
 

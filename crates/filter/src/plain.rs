@@ -14,6 +14,7 @@ use crate::{
 
 /// A surface's part of a pixel.
 struct Piece {
+    is_first: bool,
     x: i32,
     y: i32,
     inverse_depth: f32,
@@ -25,6 +26,7 @@ struct Piece {
 
 /// What a piece gives to a pixel.
 struct Given {
+    is_first: bool,
     slab: i64,
     /// Share of the iris.
     share: f64,
@@ -49,6 +51,7 @@ pub(crate) fn plain(view: &FrameView, camera: &Camera, run: &GatherRun, window: 
         let given = pieces.iter().filter_map(|piece| give(piece, (x, y), &lens, &table, px, run.max_radius));
         let mut given: Vec<Given> = given.collect();
         if !in_sight.at(x, y) {
+            given.retain(|given| given.is_first);
             given.iter_mut().for_each(|given| given.slab = 0);
         }
         given.sort_by_key(|given| std::cmp::Reverse(given.slab));
@@ -65,11 +68,11 @@ fn pieces(prepared: &Prepared) -> Vec<Piece> {
     let of_first = (0..window.area()).filter(|&i| first.cover[i] > 0.0).map(|i| {
         let (x, y) = place(i);
         let (inverse_depth, slope) = (first.inverse_depth[i], first.slope(i, i % window.width as usize));
-        Piece { x, y, inverse_depth, slope, cover: first.cover[i], rgba: first.rgba[i] }
+        Piece { is_first: true, x, y, inverse_depth, slope, cover: first.cover[i], rgba: first.rgba[i] }
     });
     let of_fragments = prepared.fragments.iter().map(|f| {
         let (x, y) = place(f.index as usize);
-        Piece { x, y, inverse_depth: f.inverse_depth, slope: f.slope, cover: f.cover, rgba: f.rgba }
+        Piece { is_first: false, x, y, inverse_depth: f.inverse_depth, slope: f.slope, cover: f.cover, rgba: f.rgba }
     });
     of_first.chain(of_fragments).collect()
 }
@@ -103,6 +106,7 @@ fn give(
     let rise = lens.scale * (piece.slope[0] * dx + piece.slope[1] * dy);
     let slope = (1.0 - trust * rise * to_lens).clamp(0.5, 2.0);
     Some(Given {
+        is_first: piece.is_first,
         slab: (piece.inverse_depth * px / SLAB_PX).floor() as i64,
         share: f64::from(weight * slope),
         rgba: piece.rgba.map(|c| f64::from(c / piece.cover)),

@@ -188,7 +188,8 @@ impl Gather<'_> {
     }
 
     /// Finds the taps that may touch a block, given by its centre, its pixels' largest offsets from there, and how far the
-    /// defocus differs from that at the centre; one slab if they are plain.
+    /// defocus differs from that at the centre; one slab of the first
+    /// surface alone if they are plain.
     #[inline(always)]
     fn find<S: Simd>(
         &self,
@@ -212,6 +213,9 @@ impl Gather<'_> {
                 hits &= hits - 1;
                 let at = order[i] as usize;
                 let (piece, tap) = (&pieces[at], touches[at]);
+                if is_plain && !piece.is_first {
+                    continue;
+                }
                 let weight = if tap.is_steady {
                     weights[at].moved(by)
                 } else {
