@@ -68,10 +68,11 @@ impl Method {
         match *self {
             Self::Pinhole => None,
             Self::OwnCoc(settings) | Self::Gather(settings) | Self::Merged(settings) => Some(settings),
-            Self::LensRays(LensRaysSettings { max_radius_px, layers, .. }) => Some(GatherSettings {
+            Self::LensRays(LensRaysSettings { max_radius_px, layers, sides, .. }) => Some(GatherSettings {
                 kernel: KernelRule::Forced(KernelModel::Exact),
                 max_radius_px,
                 layers,
+                sides,
                 ..GatherSettings::default()
             }),
         }
@@ -147,20 +148,28 @@ pub fn apply(
     // Methods measure an oval by the disc of the same area
     let disc_limit = limit / Oval::of(camera).longer();
 
+    // Bands of a picture must grow the same trees as the whole
+    let largest_over_data = self::largest_radius_px(depths, view, camera, view.frame().data());
     let layers = view.frame().layers().len().min(settings.layers.max(1));
     let fill_reach = fill_reach(inverse_range(depths, view, camera), camera, limit);
     let (picture, predicted_error) = match method {
         Method::OwnCoc(_) => (own_coc(view, camera, model, disc_limit, window, progress)?, None),
         Method::LensRays(LensRaysSettings { samples, .. }) => {
-            let run = RayRun { samples: *samples, max_radius: disc_limit, layers, fill_reach };
+            let run = RayRun {
+                samples: *samples,
+                max_radius: disc_limit,
+                largest_radius: largest_over_data,
+                layers,
+                sides: settings.sides,
+                fill_reach,
+            };
             (lens_rays(view, camera, &run, window, progress)?, None)
         }
         _ => {
             let run = GatherRun {
                 model,
                 max_radius: disc_limit,
-                // Bands of a picture must grow the same trees as the whole
-                largest_radius: self::largest_radius_px(depths, view, camera, view.frame().data()),
+                largest_radius: largest_over_data,
                 layers,
                 sides: settings.sides,
                 fill_reach,

@@ -13,7 +13,6 @@ use crate::{
     cells::{EMPTY, Range, SQUARE, joined},
     fragment::Fragment,
     prepare::Prepared,
-    surface::Surface,
 };
 
 /// Pieces are merged if their blur radii differ by at most this, in sides of the square.
@@ -90,11 +89,6 @@ impl<'a> Forest<'a> {
             let grower = Grower { prepared: self.prepared, row_starts: &self.row_starts, px: self.px };
             grower.grow(self.prepared.cells.squares.corner(square), self.levels, &mut Vec::new())
         })
-    }
-
-    /// The surfaces it was grown from.
-    pub(crate) fn first_surface(&self) -> &Surface {
-        &self.prepared.first
     }
 
     /// Calls `take` for pieces that together are everything that may touch `tile`, each piece once.

@@ -31,16 +31,16 @@ use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
 use crate::{
     FrameView, Sides,
-    cells::{BLOCK, InSight, blocks_of},
+    cells::BLOCK,
     forest::Forest,
     kernel::KernelTable,
     lattice::{self, Lattice},
-    lattice_sum::CHANNELS,
     lattice_work::LatticeScratch,
+    plain_blocks::{Left, PlainBlocks, Target},
     prepare::Prepared,
     row::{Footprint, LANES, Round, Row, Shaped},
     taps::{BlockGrid, SIDES_PER_RADIUS, Taps, block_rows},
-    tiles::{TILE, by_tiles},
+    tiles::by_tiles,
     upsample::{MARGIN, upsample},
     view_lens::{TileLens, ViewLens},
 };
@@ -52,9 +52,7 @@ pub(crate) struct Gather<'a> {
     /// Blur radius in pixels of a unit of inverse depth.
     pub(crate) px: f32,
     pub(crate) forest: Forest<'a>,
-    in_sight: &'a InSight,
-    /// Where no edge is in sight, in rung 3.
-    lattice: Option<Lattice<'a>>,
+    plain: PlainBlocks<'a>,
     pub(crate) table: KernelTable,
     pub(crate) merge: bool,
 }
@@ -109,7 +107,8 @@ pub(crate) fn gather(
     // Kernels of an oval are stretched by an amount of their own at each radius
     let is_plain = merge && table.is_round();
     let lattice = is_plain.then(|| Lattice::new(&lens, &prepared.first, &prepared.cells, &in_sight, &table, limits));
-    let job = Gather { lens, max_radius, px, forest, in_sight: &in_sight, lattice, table, merge };
+    let plain = PlainBlocks { in_sight: &in_sight, lattice, first: &prepared.first };
+    let job = Gather { lens, max_radius, px, forest, plain, table, merge };
     let round = model == KernelModel::Disc && camera.iris.shape() == optics::ApertureShape::Disc;
 
     let channels = if run.doubt { 6 } else { 4 };
@@ -140,40 +139,6 @@ thread_local! {
     static SCRATCH: std::cell::RefCell<Scratch> = std::cell::RefCell::default();
 }
 
-/// Blocks in a row of a tile.
-const BLOCKS_ACROSS: usize = (TILE / BLOCK as u32) as usize;
-
-/// Where a tile's pixels go: the part of it that is wanted, and its channels, each row by row.
-struct Target<'a> {
-    part: PixelWindow,
-    out: &'a mut [Vec<f32>],
-}
-
-/// The blocks of a tile that are left to be gathered.
-struct Left {
-    tile: PixelWindow,
-    blocks: [bool; BLOCKS_ACROSS * BLOCKS_ACROSS],
-}
-
-impl Left {
-    /// Whether the block at a pixel of the tile is left.
-    fn is_left(&self, x: i32, y: i32) -> bool {
-        self.blocks[self.index(x, y)]
-    }
-
-    fn index(&self, x: i32, y: i32) -> usize {
-        let [column, row] = [x - self.tile.x, y - self.tile.y].map(|at| (at / BLOCK) as usize);
-        row * BLOCKS_ACROSS + column
-    }
-
-    /// The smallest window that holds the blocks of a part of the tile that are left.
-    fn within(&self, part: PixelWindow) -> PixelWindow {
-        let block = |(x, y)| PixelWindow { x, y, width: BLOCK as u32, height: BLOCK as u32 };
-        let left = blocks_of(part).filter(|&(x, y)| self.is_left(x, y)).map(block);
-        left.reduce(|all, block| all.union(&block)).unwrap_or(PixelWindow { width: 0, height: 0, ..part })
-    }
-}
-
 impl Gather<'_> {
     /// One tile of the picture, or the `part` of it that is wanted: `out` holds its channels, each row by row.
     #[inline(always)]
@@ -184,20 +149,17 @@ impl Gather<'_> {
         part: PixelWindow,
         out: &mut [Vec<f32>],
     ) {
-        // Tiles are anchored at pixel (0, 0), so that bands of a picture have the same ones
-        let [x, y] = [part.x, part.y].map(|at| at.div_euclid(TILE as i32) * TILE as i32);
-        let tile = PixelWindow { x, y, width: TILE, height: TILE };
-        let lens = self.lens.over(tile);
         let mut target = Target { part, out };
         let mut scratch = SCRATCH.take();
         simd.vectorize(
             #[inline(always)]
             || {
-                let left = self.plain_blocks::<S, DOUBT>(simd, tile, &lens, &mut scratch.lattice, &mut target);
-                let part = left.within(tile);
+                let left = self.plain.sum_up::<S, DOUBT>(simd, &self.lens, &mut scratch.lattice, &mut target);
+                let part = left.within(left.tile);
                 if part.is_empty() {
                     return;
                 }
+                let lens = self.lens.over(left.tile);
                 match self.coarseness(part, &lens) {
                     0 => {
                         self.each_pixel::<S, F, DOUBT>(simd, footprint, &lens, part, &left, &mut scratch, &mut target);
@@ -210,33 +172,6 @@ impl Gather<'_> {
             },
         );
         SCRATCH.set(scratch);
-    }
-
-    /// Sums up the blocks of a tile that no edge is in sight of; returns those that are left.
-    #[inline(always)]
-    fn plain_blocks<S: Simd, const DOUBT: bool>(
-        &self,
-        simd: S,
-        tile: PixelWindow,
-        lens: &TileLens,
-        scratch: &mut LatticeScratch,
-        target: &mut Target,
-    ) -> Left {
-        let mut left = Left { tile, blocks: [true; _] };
-        let planned = self.lattice.as_ref().and_then(|lattice| Some((lattice, lattice.plan(tile, lens)?)));
-        let Some((lattice, plan)) = planned else { return left };
-        for (x, y) in blocks_of(tile).filter(|&(x, y)| !self.in_sight.at(x, y)) {
-            left.blocks[left.index(x, y)] = false;
-        }
-        lattice.sum_up::<S, DOUBT>(
-            simd,
-            &plan,
-            lens,
-            scratch,
-            #[inline(always)]
-            |x, y, sums| self.put_plain(sums, (x, y), target),
-        );
-        left
     }
 
     /// Gathers a part of what is left pixel by pixel.
@@ -265,7 +200,7 @@ impl Gather<'_> {
                 if block.intersection(&wanted).is_empty() || !left.is_left(x, y) {
                     continue;
                 }
-                let is_plain = !self.in_sight.at(x, y);
+                let is_plain = !self.plain.in_sight.at(x, y);
                 let grid = BlockGrid { first: [x as f32, y as f32], step: 1.0, rows, is_plain };
                 let is_wanted = |row: u32| (wanted.y..wanted.y_end()).contains(&(y + row as i32));
                 self.block::<S, F, DOUBT>(simd, footprint, lens, grid, is_wanted, taps, |row, gathered| {
@@ -361,28 +296,6 @@ impl Gather<'_> {
         (least / lattice::SIDES_PER_RADIUS).max(1.0).log2().floor().min(4.0) as u32
     }
 
-    /// Puts eight pixels of a row that were summed up, the first of which is `start`: how full the iris is, and the colour.
-    #[inline(always)]
-    fn put_plain(&self, [full, rgba @ ..]: &[[f32; LANES]; CHANNELS], (x, y): (i32, i32), target: &mut Target) {
-        let Target { part, out } = target;
-        let row = PixelWindow { x, y, width: LANES as u32, height: 1 }.intersection(part);
-        if row.is_empty() {
-            return;
-        }
-        let (from, to) = ((row.x - x) as usize, (row.x_end() - x) as usize);
-        let at = part.index(row.x, y);
-        for (out, values) in out.iter_mut().zip(rgba) {
-            out[at..at + to - from].copy_from_slice(&values[from..to]);
-        }
-        if let [_, _, _, _, _, open] = &mut **out {
-            open[at..].iter_mut().zip(&full[from..to]).for_each(|(open, full)| *open = 1.0 - full.min(1.0));
-        }
-        for i in (from..to).filter(|&i| full[i] <= 0.0) {
-            let rgba = self.unfiltered(x + i as i32, y);
-            (0..4).for_each(|c| out[c][at + i - from] = rgba[c]);
-        }
-    }
-
     /// Puts a gathered row, whose first pixel is `start`.
     fn put(&self, gathered: &Row, start: (i32, i32), target: &mut Target) {
         let Target { part, out } = target;
@@ -400,15 +313,9 @@ impl Gather<'_> {
                     open[at] = 1.0 - full;
                 }
             } else {
-                let rgba = self.unfiltered(x, y);
+                let rgba = self.plain.unfiltered(x, y);
                 (0..4).for_each(|c| out[c][at] = rgba[c]);
             }
         }
-    }
-
-    /// What nothing reaches: the first layer's colour, nothing outside the data.
-    fn unfiltered(&self, x: i32, y: i32) -> [f32; 4] {
-        let surface = self.forest.first_surface();
-        if surface.window.contains(x, y) { surface.rgba[surface.window.index(x, y)] } else { [0.0; 4] }
     }
 }

@@ -9,22 +9,31 @@
 //!
 //! A ray that ends behind everything that the surfaces know takes part in nothing: the pixel is the mean of the rays that
 //! found something.
+//!
+//! Where no edge is in sight all rays end on one surface, and their mean is known without noise: these blocks are summed up as
+//! the merged gather does it ([`PlainBlocks`]).
 
+use fearless_simd::{Level, dispatch, prelude::*};
 use glam::Vec2;
 use optics::{Camera, KernelModel};
 use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
 use crate::{
-    FrameView,
+    FrameView, Sides,
     depth_pyramid::{DepthPyramid, Range},
     fetch_radius::FetchRadius,
+    kernel::KernelTable,
+    lattice::Lattice,
+    lattice_work::LatticeScratch,
     lens_map::{PixelLens, skew, spread},
     lens_points::LensPoints,
     lens_ray::{Hit, LensRay, floor, pixel_ranges},
     patch::Patches,
+    plain_blocks::{Left, PlainBlocks, Target},
     prepare::Prepared,
     surface::{Surface, pixel_q},
     tiles::by_tiles,
+    view_lens::ViewLens,
 };
 
 /// A step in depth that changes the blur by less than this many pixels of radius is no edge.
@@ -40,21 +49,23 @@ pub struct LensRaysSettings {
     pub max_radius_px: Option<f32>,
     /// How many of the frame's layers to use; 1 ignores hidden ones.
     pub layers: usize,
+    /// What is blurred at all.
+    pub sides: Sides,
 }
 
 impl Default for LensRaysSettings {
     /// 64 rays, all layers.
     fn default() -> Self {
-        Self { samples: 64, max_radius_px: None, layers: usize::MAX }
+        Self { samples: 64, max_radius_px: None, layers: usize::MAX, sides: Sides::Both }
     }
 }
 
 /// Everything that is the same for all tiles.
 struct Job<'a> {
-    view: &'a FrameView<'a>,
-    camera: &'a Camera,
+    lens: ViewLens<'a>,
+    plain: PlainBlocks<'a>,
     max_radius: f32,
-    surfaces: Vec<Surface>,
+    surfaces: &'a [Surface],
     patches: Patches,
     pyramid: DepthPyramid,
     points: LensPoints,
@@ -67,8 +78,12 @@ pub(crate) struct RayRun {
     pub(crate) samples: u32,
     /// Largest blur radius in pixels.
     pub(crate) max_radius: f32,
+    /// Largest blur radius that there is, in pixels.
+    pub(crate) largest_radius: f32,
     /// How many layers are used.
     pub(crate) layers: usize,
+    /// What is blurred.
+    pub(crate) sides: Sides,
     /// How far behind a silhouette is looked, in pixels.
     pub(crate) fill_reach: f32,
 }
@@ -81,15 +96,23 @@ pub(crate) fn lens_rays(
     window: PixelWindow,
     progress: &dyn Progress,
 ) -> Result<Picture, Cancelled> {
-    let surfaces = Prepared::new(view, camera, run.layers, run.fill_reach, crate::Sides::Both).into_surfaces();
+    let (surfaces, cells) = Prepared::new(view, camera, run.layers, run.fill_reach, run.sides).into_surfaces();
     let blur = camera.pixels_per_defocus().max_element() as f32;
     let patches = Patches::new(&surfaces, (SEAMLESS_PX / blur).min(1e6));
     let pyramid = DepthPyramid::new(patches.window, pixel_ranges(&patches));
     let shape = camera.iris.shape();
     let points = LensPoints::new(shape, run.samples);
     let fetch = FetchRadius::new(&LensPoints::new(shape, 1024), shape.variance());
-    let job = Job { view, camera, max_radius: run.max_radius, surfaces, patches, pyramid, points, fetch };
-    let planes = by_tiles(window, 4, progress, |tile, out| job.tile(tile, out))?;
+
+    let lens = ViewLens { view, camera, model: KernelModel::Exact };
+    let limits = [run.max_radius, run.largest_radius];
+    let in_sight = lens.in_sight(&cells, run.max_radius.min(run.largest_radius));
+    let table = KernelTable::of(camera);
+    let lattice = table.is_round().then(|| Lattice::new(&lens, &surfaces[0], &cells, &in_sight, &table, limits));
+    let plain = PlainBlocks { in_sight: &in_sight, lattice, first: &surfaces[0] };
+    let job = Job { lens, plain, max_radius: run.max_radius, surfaces: &surfaces, patches, pyramid, points, fetch };
+    let level = Level::new();
+    let planes = by_tiles(window, 4, progress, |part, out| dispatch!(level, simd => job.tile(simd, part, out)))?;
     let planes = <[Plane; 4]>::try_from(planes).expect("four planes");
     Ok(Picture::from_planes(planes).expect("planes of one window"))
 }
@@ -111,15 +134,33 @@ impl Found {
     }
 }
 
+thread_local! {
+    static SCRATCH: std::cell::RefCell<LatticeScratch> = std::cell::RefCell::default();
+}
+
 impl Job<'_> {
-    /// One tile of the picture: `out` holds its channels, each row by row.
-    fn tile(&self, tile: PixelWindow, out: &mut [Vec<f32>]) {
-        let lens = |x, y| PixelLens::new(self.camera, KernelModel::Exact, pixel_q(self.view, self.camera, x, y));
-        let lenses: Vec<PixelLens> = tile.pixels().map(|(x, y)| lens(x, y)).collect();
-        let range = self.range(tile, &lenses);
-        for (i, ((x, y), lens)) in tile.pixels().zip(&lenses).enumerate() {
-            let rgba = self.pixel(x, y, lens, range);
-            (0..4).for_each(|c| out[c][i] = rgba[c]);
+    /// One tile of the picture, or the `part` of it that is wanted: `out` holds its channels, each row by row.
+    #[inline(always)]
+    fn tile<S: Simd>(&self, simd: S, part: PixelWindow, out: &mut [Vec<f32>]) {
+        let mut target = Target { part, out };
+        let mut scratch = SCRATCH.take();
+        let left = simd.vectorize(
+            #[inline(always)]
+            || self.plain.sum_up::<S, false>(simd, &self.lens, &mut scratch, &mut target),
+        );
+        SCRATCH.set(scratch);
+        self.left_pixels(&left, target);
+    }
+
+    /// The pixels of the blocks that are left.
+    fn left_pixels(&self, left: &Left, target: Target) {
+        let Target { part, out } = target;
+        let pixels: Vec<(i32, i32)> = part.pixels().filter(|&(x, y)| left.is_left(x, y)).collect();
+        let lenses: Vec<PixelLens> = pixels.iter().map(|&(x, y)| self.lens.at(f64::from(x), f64::from(y))).collect();
+        let range = self.range(part, &lenses);
+        for (&(x, y), lens) in pixels.iter().zip(&lenses) {
+            let (at, rgba) = (part.index(x, y), self.pixel(x, y, lens, range));
+            (0..4).for_each(|c| out[c][at] = rgba[c]);
         }
     }
 
@@ -147,16 +188,17 @@ impl Job<'_> {
             return [0.0; 4];
         }
         // Span the pixel's footprint per unit of defocus, as equation 5 does
-        let q = pixel_q(self.view, self.camera, x, y);
-        let spread = spread(self.camera, q);
+        let ViewLens { view, camera, .. } = self.lens;
+        let q = pixel_q(view, camera, x, y);
+        let spread = spread(camera, q);
         let (axis1, axis2) = (spread.x_axis.as_vec2(), spread.y_axis.as_vec2());
-        let skew = skew(self.camera, self.camera.focus.inverse_depth(q)).as_vec2();
+        let skew = skew(camera, camera.focus.inverse_depth(q)).as_vec2();
         // How far it reaches across and down
         let extent = Vec2::new(axis1.x.hypot(axis2.x), axis1.y.hypot(axis2.y));
         let limit = if lens.scale > 0.0 { self.max_radius / lens.scale } else { f32::INFINITY };
 
         let window = self.patches.window;
-        let display = self.view.frame().display;
+        let display = view.frame().display;
         let mut found = Found::default();
         for u in self.points.of_pixel(x - display.x, y - display.y) {
             let pace = (axis1 * u.x + axis2 * u.y) / (1.0 - skew.dot(*u)).max(0.5);
@@ -164,7 +206,7 @@ impl Job<'_> {
             let ray = LensRay { column, row, focus: lens.focus, pace, limit };
             found.add(1.0, &self.trace(&ray, extent, range));
         }
-        if found.ended > 0.0 { found.rgba.map(|c| c / found.ended) } else { self.unfiltered(x, y) }
+        if found.ended > 0.0 { found.rgba.map(|c| c / found.ended) } else { self.plain.unfiltered(x, y) }
     }
 
     /// What one ray finds; `extent` is its pixel's footprint across and down, in pixels per unit of defocus.
@@ -230,16 +272,6 @@ impl Job<'_> {
     fn own(&self, layer: usize, index: usize) -> Found {
         let surface = &self.surfaces[layer];
         Found { rgba: surface.rgba[index], ended: surface.cover[index] }
-    }
-
-    /// The first surface's colour, nothing outside the data.
-    fn unfiltered(&self, x: i32, y: i32) -> [f32; 4] {
-        let surface = &self.surfaces[0];
-        if !surface.window.contains(x, y) {
-            return [0.0; 4];
-        }
-        let i = surface.window.index(x, y);
-        surface.rgba[i].map(|c| c / surface.cover[i])
     }
 }
 

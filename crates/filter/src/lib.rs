@@ -40,6 +40,7 @@ mod own_coc;
 mod patch;
 #[cfg(test)]
 mod plain;
+mod plain_blocks;
 mod predicted;
 mod prepare;
 mod row;

@@ -57,7 +57,11 @@ pub(crate) fn plain(view: &FrameView, camera: &Camera, run: &GatherRun, window: 
         given.sort_by_key(|given| std::cmp::Reverse(given.slab));
         add_up(&given).unwrap_or_else(|| {
             let first = &prepared.first;
-            if first.window.contains(x, y) { first.rgba[first.window.index(x, y)] } else { [0.0; 4] }
+            if !first.window.contains(x, y) {
+                return [0.0; 4];
+            }
+            let i = first.window.index(x, y);
+            first.rgba[i].map(|c| c / first.cover[i])
         })
     })
 }

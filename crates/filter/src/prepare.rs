@@ -109,9 +109,10 @@ impl Prepared {
     /// The first surface, then what lies behind it, the k-th piece of each pixel in the k-th surface, and last what lies
     /// before it: the near parts of silhouettes.
     ///
-    /// What is nearer than the first surface but no such part contradicts the picture and is left out.
-    pub(crate) fn into_surfaces(self) -> Vec<Surface> {
-        let Self { first, fragments, .. } = self;
+    /// What is nearer than the first surface but no such part contradicts the picture and is left out. The cells come with
+    /// them.
+    pub(crate) fn into_surfaces(self) -> (Vec<Surface>, Cells) {
+        let Self { first, fragments, cells, .. } = self;
         let empty = || Surface {
             window: first.window,
             inverse_depth: vec![0.0; first.cover.len()],
@@ -135,7 +136,7 @@ impl Prepared {
                 behind[k].put(fragment);
             }
         }
-        std::iter::once(first).chain(behind).chain(before).collect()
+        (std::iter::once(first).chain(behind).chain(before).collect(), cells)
     }
 
     /// The pixels that it covers.

@@ -173,7 +173,7 @@ impl MethodOptions {
             MethodName::Gather => Method::Gather(settings),
             MethodName::Merged => Method::Merged(settings),
             MethodName::LensRays => {
-                Method::LensRays(LensRaysSettings { samples: self.rays, max_radius_px: self.max_radius, layers })
+                Method::LensRays(LensRaysSettings { samples: self.rays, max_radius_px: self.max_radius, layers, sides })
             }
         }
     }
