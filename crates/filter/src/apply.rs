@@ -68,13 +68,16 @@ impl Method {
         match *self {
             Self::Pinhole => None,
             Self::OwnCoc(settings) | Self::Gather(settings) | Self::Merged(settings) => Some(settings),
-            Self::LensRays(LensRaysSettings { max_radius_px, layers, sides, .. }) => Some(GatherSettings {
-                kernel: KernelRule::Forced(KernelModel::Exact),
-                max_radius_px,
-                layers,
-                sides,
-                ..GatherSettings::default()
-            }),
+            Self::LensRays(LensRaysSettings { max_radius_px, layers, sides, predict_error, .. }) => {
+                Some(GatherSettings {
+                    kernel: KernelRule::Forced(KernelModel::Exact),
+                    max_radius_px,
+                    layers,
+                    sides,
+                    predict_error,
+                    ..GatherSettings::default()
+                })
+            }
         }
     }
 }
@@ -152,8 +155,13 @@ pub fn apply(
     let largest_over_data = self::largest_radius_px(depths, view, camera, view.frame().data());
     let layers = view.frame().layers().len().min(settings.layers.max(1));
     let fill_reach = fill_reach(inverse_range(depths, view, camera), camera, limit);
-    let (picture, predicted_error) = match method {
-        Method::OwnCoc(_) => (own_coc(view, camera, model, disc_limit, window, progress)?, None),
+    // The predicted error is a mean over neighbours
+    let doubt = settings.predict_error && !matches!(method, Method::OwnCoc(_));
+    let around = if doubt { window.grown(1, 1) } else { window };
+    let Gathered { picture, doubt } = match method {
+        Method::OwnCoc(_) => {
+            Gathered { picture: own_coc(view, camera, model, disc_limit, window, progress)?, doubt: None }
+        }
         Method::LensRays(LensRaysSettings { samples, .. }) => {
             let run = RayRun {
                 samples: *samples,
@@ -162,8 +170,9 @@ pub fn apply(
                 layers,
                 sides: settings.sides,
                 fill_reach,
+                doubt,
             };
-            (lens_rays(view, camera, &run, window, progress)?, None)
+            lens_rays(view, camera, &run, around, progress)?
         }
         _ => {
             let run = GatherRun {
@@ -175,13 +184,13 @@ pub fn apply(
                 fill_reach,
                 merge: matches!(method, Method::Merged(_)),
                 level: Level::new(),
-                doubt: settings.predict_error,
+                doubt,
             };
-            let Gathered { picture, doubt } = gather(view, camera, &run, window, progress)?;
-            let error = doubt.map(|[doubt, open]| predicted_error(view, camera, doubt, &open));
-            (picture, error)
+            gather(view, camera, &run, around, progress)?
         }
     };
+    let predicted_error = doubt.map(|doubt| predicted_error(view, camera, settings.sides, window, &doubt));
+    let picture = if around == window { picture } else { picture.cropped(window) };
     let cut_to_px = (largest_radius_px > limit).then_some(limit);
     Ok(Filtered { picture, kernel: model, kernel_choice, largest_radius_px, cut_to_px, predicted_error })
 }
@@ -212,7 +221,11 @@ pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
             let filled = fill_reach(inverse, camera, limit);
             // Pixels are interpolated between cells, of which the blur spans some sides
             let cells = (3.0 * largest / SIDES_PER_RADIUS).ceil() as u32;
-            blur + cells + GATHER_REACH + PREPARE_REACH + (2.5 * filled).ceil() as u32
+            blur + cells
+                + GATHER_REACH
+                + PREPARE_REACH
+                + (2.5 * filled).ceil() as u32
+                + u32::from(settings.predict_error)
         }
     }
 }

@@ -225,7 +225,7 @@ impl Prepared {
             slope: first.slope(i, (x - first.window.x) as usize),
             cover: first.cover[i],
             rgba: first.rgba[i],
-            doubt: self.doubt[i],
+            doubt: first.doubt[i],
             is_first: true,
             parts: (0, 0),
         }

@@ -37,6 +37,7 @@ use crate::{
     lattice::{self, Lattice},
     lattice_work::LatticeScratch,
     plain_blocks::{Left, PlainBlocks, Target},
+    predicted::Doubt,
     prepare::Prepared,
     row::{Footprint, LANES, Round, Row, Shaped},
     taps::{BlockGrid, SIDES_PER_RADIUS, Taps, block_rows},
@@ -57,11 +58,21 @@ pub(crate) struct Gather<'a> {
     pub(crate) merge: bool,
 }
 
-/// Picture, and what the predicted error is made of.
+/// A picture, and what its predicted error is made of.
 pub(crate) struct Gathered {
     pub(crate) picture: Picture,
-    /// Mean doubt of what a pixel gathered, and what stayed open of its iris.
-    pub(crate) doubt: Option<[Plane; 2]>,
+    pub(crate) doubt: Option<Doubt>,
+}
+
+impl Gathered {
+    /// From the planes of R, G, B and A, and where wanted of doubt and of what stayed open.
+    pub(crate) fn from_planes(planes: Vec<Plane>) -> Self {
+        let mut planes = planes.into_iter();
+        let picture = [(); 4].map(|()| planes.next().expect("four planes"));
+        let picture = Picture::from_planes(picture).expect("planes of one window");
+        let doubt = planes.next().zip(planes.next()).map(|(mean, open)| Doubt { mean, open });
+        Self { picture, doubt }
+    }
 }
 
 /// How a gather is run.
@@ -120,11 +131,7 @@ pub(crate) fn gather(
             (false, true) => job.tile::<_, _, true>(simd, &Shaped(job.table.outline()), part, out),
         });
     })?;
-    let mut planes = planes.into_iter();
-    let picture = [(); 4].map(|()| planes.next().expect("four planes"));
-    let picture = Picture::from_planes(picture).expect("planes of one window");
-    let doubt = run.doubt.then(|| [(); 2].map(|()| planes.next().expect("two planes")));
-    Ok(Gathered { picture, doubt })
+    Ok(Gathered::from_planes(planes))
 }
 
 /// What a thread keeps from tile to tile.

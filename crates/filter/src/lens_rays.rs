@@ -16,12 +16,13 @@
 use fearless_simd::{Level, dispatch, prelude::*};
 use glam::Vec2;
 use optics::{Camera, KernelModel};
-use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
+use rgbd::{Cancelled, PixelWindow, Progress};
 
 use crate::{
     FrameView, Sides,
     depth_pyramid::{DepthPyramid, Range},
     fetch_radius::FetchRadius,
+    gather::Gathered,
     kernel::KernelTable,
     lattice::Lattice,
     lattice_work::LatticeScratch,
@@ -51,12 +52,14 @@ pub struct LensRaysSettings {
     pub layers: usize,
     /// What is blurred at all.
     pub sides: Sides,
+    /// Whether [`Filtered::predicted_error`](crate::Filtered::predicted_error) is wanted too.
+    pub predict_error: bool,
 }
 
 impl Default for LensRaysSettings {
     /// 64 rays, all layers.
     fn default() -> Self {
-        Self { samples: 64, max_radius_px: None, layers: usize::MAX, sides: Sides::Both }
+        Self { samples: 64, max_radius_px: None, layers: usize::MAX, sides: Sides::Both, predict_error: false }
     }
 }
 
@@ -86,6 +89,8 @@ pub(crate) struct RayRun {
     pub(crate) sides: Sides,
     /// How far behind a silhouette is looked, in pixels.
     pub(crate) fill_reach: f32,
+    /// Whether doubt is wanted too.
+    pub(crate) doubt: bool,
 }
 
 /// Sends the rays of `window`.
@@ -95,7 +100,7 @@ pub(crate) fn lens_rays(
     run: &RayRun,
     window: PixelWindow,
     progress: &dyn Progress,
-) -> Result<Picture, Cancelled> {
+) -> Result<Gathered, Cancelled> {
     let (surfaces, cells) = Prepared::new(view, camera, run.layers, run.fill_reach, run.sides).into_surfaces();
     let blur = camera.pixels_per_defocus().max_element() as f32;
     let patches = Patches::new(&surfaces, (SEAMLESS_PX / blur).min(1e6));
@@ -108,19 +113,27 @@ pub(crate) fn lens_rays(
     let limits = [run.max_radius, run.largest_radius];
     let in_sight = lens.in_sight(&cells, run.max_radius.min(run.largest_radius));
     let table = KernelTable::of(camera);
-    let lattice = table.is_round().then(|| Lattice::new(&lens, &surfaces[0], &cells, &in_sight, &table, limits));
+    // The lattice knows the skew of a leaning iris to second order only, which is less than rays do
+    let is_plain = table.is_round() && camera.iris.e1().z == 0.0 && camera.iris.e2().z == 0.0;
+    let lattice = is_plain.then(|| Lattice::new(&lens, &surfaces[0], &cells, &in_sight, &table, limits));
     let plain = PlainBlocks { in_sight: &in_sight, lattice, first: &surfaces[0] };
     let job = Job { lens, plain, max_radius: run.max_radius, surfaces: &surfaces, patches, pyramid, points, fetch };
     let level = Level::new();
-    let planes = by_tiles(window, 4, progress, |part, out| dispatch!(level, simd => job.tile(simd, part, out)))?;
-    let planes = <[Plane; 4]>::try_from(planes).expect("four planes");
-    Ok(Picture::from_planes(planes).expect("planes of one window"))
+    let channels = if run.doubt { 6 } else { 4 };
+    let planes = by_tiles(window, channels, progress, |part, out| {
+        dispatch!(level, simd => match run.doubt {
+            true => job.tile::<_, true>(simd, part, out),
+            false => job.tile::<_, false>(simd, part, out),
+        });
+    })?;
+    Ok(Gathered::from_planes(planes))
 }
 
-/// What a ray, or all rays of a pixel, have found: colour, and how much of them has ended.
+/// What a ray, or all rays of a pixel, have found: colour, how far it may be off, and how much of them has ended.
 #[derive(Clone, Copy, Default)]
 struct Found {
     rgba: [f32; 4],
+    doubt: f32,
     ended: f32,
 }
 
@@ -128,6 +141,7 @@ impl Found {
     #[inline(always)]
     fn add(&mut self, weight: f32, other: &Self) {
         self.ended += weight * other.ended;
+        self.doubt += weight * other.doubt;
         for (sum, c) in self.rgba.iter_mut().zip(other.rgba) {
             *sum += weight * c;
         }
@@ -141,26 +155,30 @@ thread_local! {
 impl Job<'_> {
     /// One tile of the picture, or the `part` of it that is wanted: `out` holds its channels, each row by row.
     #[inline(always)]
-    fn tile<S: Simd>(&self, simd: S, part: PixelWindow, out: &mut [Vec<f32>]) {
+    fn tile<S: Simd, const DOUBT: bool>(&self, simd: S, part: PixelWindow, out: &mut [Vec<f32>]) {
         let mut target = Target { part, out };
         let mut scratch = SCRATCH.take();
         let left = simd.vectorize(
             #[inline(always)]
-            || self.plain.sum_up::<S, false>(simd, &self.lens, &mut scratch, &mut target),
+            || self.plain.sum_up::<S, DOUBT>(simd, &self.lens, &mut scratch, &mut target),
         );
         SCRATCH.set(scratch);
-        self.left_pixels(&left, target);
+        self.left_pixels::<DOUBT>(&left, target);
     }
 
     /// The pixels of the blocks that are left.
-    fn left_pixels(&self, left: &Left, target: Target) {
+    fn left_pixels<const DOUBT: bool>(&self, left: &Left, target: Target) {
         let Target { part, out } = target;
         let pixels: Vec<(i32, i32)> = part.pixels().filter(|&(x, y)| left.is_left(x, y)).collect();
         let lenses: Vec<PixelLens> = pixels.iter().map(|&(x, y)| self.lens.at(f64::from(x), f64::from(y))).collect();
         let range = self.range(part, &lenses);
         for (&(x, y), lens) in pixels.iter().zip(&lenses) {
-            let (at, rgba) = (part.index(x, y), self.pixel(x, y, lens, range));
-            (0..4).for_each(|c| out[c][at] = rgba[c]);
+            let (at, found) = (part.index(x, y), self.pixel::<DOUBT>(x, y, lens, range));
+            (0..4).for_each(|c| out[c][at] = found.rgba[c]);
+            if let (true, [_, _, _, _, doubt, open]) = (DOUBT, &mut *out) {
+                doubt[at] = found.doubt;
+                open[at] = 1.0 - found.ended;
+            }
         }
     }
 
@@ -183,9 +201,11 @@ impl Job<'_> {
     }
 
     /// The mean over the rays of one pixel.
-    fn pixel(&self, x: i32, y: i32, lens: &PixelLens, range: Range) -> [f32; 4] {
+    fn pixel<const DOUBT: bool>(&self, x: i32, y: i32, lens: &PixelLens, range: Range) -> Found {
+        // Where there is nothing, nothing can be off
+        let nothing = |rgba| Found { rgba, doubt: 0.0, ended: 1.0 };
         if range.is_empty() {
-            return [0.0; 4];
+            return nothing([0.0; 4]);
         }
         // Span the pixel's footprint per unit of defocus, as equation 5 does
         let ViewLens { view, camera, .. } = self.lens;
@@ -200,20 +220,29 @@ impl Job<'_> {
         let window = self.patches.window;
         let display = view.frame().display;
         let mut found = Found::default();
-        for u in self.points.of_pixel(x - display.x, y - display.y) {
+        let points = self.points.of_pixel(x - display.x, y - display.y);
+        for u in points {
             let pace = (axis1 * u.x + axis2 * u.y) / (1.0 - skew.dot(*u)).max(0.5);
             let (column, row) = (x - window.x, y - window.y);
             let ray = LensRay { column, row, focus: lens.focus, pace, limit };
-            found.add(1.0, &self.trace(&ray, extent, range));
+            found.add(1.0, &self.trace::<DOUBT>(&ray, extent, range));
         }
-        if found.ended > 0.0 { found.rgba.map(|c| c / found.ended) } else { self.plain.unfiltered(x, y) }
+        if found.ended <= 0.0 {
+            return nothing(self.plain.unfiltered(x, y));
+        }
+        let count = points.len() as f32;
+        Found {
+            rgba: found.rgba.map(|c| c / found.ended),
+            doubt: found.doubt / found.ended,
+            ended: found.ended / count,
+        }
     }
 
     /// What one ray finds; `extent` is its pixel's footprint across and down, in pixels per unit of defocus.
-    fn trace(&self, ray: &LensRay, extent: Vec2, range: Range) -> Found {
+    fn trace<const DOUBT: bool>(&self, ray: &LensRay, extent: Vec2, range: Range) -> Found {
         let mut found = Found::default();
         ray.march(&self.patches, &self.pyramid, range, |hit| {
-            let fetched = self.fetch(&hit, ray, extent);
+            let fetched = self.fetch::<DOUBT>(&hit, ray, extent);
             found.add(1.0 - found.ended, &fetched);
             found.ended < OPAQUE
         });
@@ -222,7 +251,7 @@ impl Job<'_> {
 
     /// The surface around a hit, interpolated between pixel centres.
     #[inline(always)]
-    fn fetch(&self, hit: &Hit, ray: &LensRay, extent: Vec2) -> Found {
+    fn fetch<const DOUBT: bool>(&self, hit: &Hit, ray: &LensRay, extent: Vec2) -> Found {
         // Draw the fetch in, so that interpolation and lens together blur as much as the lens should
         let radius = extent * (hit.s - ray.focus).abs().min(ray.limit);
         let scale = Vec2::new(self.fetch.scale(radius.x), self.fetch.scale(radius.y));
@@ -239,13 +268,13 @@ impl Job<'_> {
         if is_near(left) && is_near(top) && self.patches.is_seamless(hit.layer, hit.index) {
             let first = (hit.index as i32 + top * width + left) as usize;
             for (i, weight) in [0, 1, width as usize, width as usize + 1].into_iter().zip(weights) {
-                found.add(weight, &self.own(hit.layer, first + i));
+                found.add(weight, &self.own::<DOUBT>(hit.layer, first + i));
             }
             return found;
         }
         for ((dx, dy), weight) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().zip(weights) {
             if weight > 0.0 {
-                found.add(weight, &self.neighbour(hit, left + dx, top + dy));
+                found.add(weight, &self.neighbour::<DOUBT>(hit, left + dx, top + dy));
             }
         }
         found
@@ -253,25 +282,27 @@ impl Job<'_> {
 
     /// The pixel at (dx, dy) from a hit on the same surface, in this layer or another; where there is none, the pixel that
     /// was hit.
-    fn neighbour(&self, hit: &Hit, dx: i32, dy: i32) -> Found {
+    fn neighbour<const DOUBT: bool>(&self, hit: &Hit, dx: i32, dy: i32) -> Found {
         let window = self.patches.window;
         let (column, row) = (hit.index as i32 % window.width as i32 + dx, hit.index as i32 / window.width as i32 + dy);
         let (x, y) = (window.x + column, window.y + row);
         if (dx, dy) == (0, 0) || !window.contains(x, y) {
-            return self.own(hit.layer, hit.index);
+            return self.own::<DOUBT>(hit.layer, hit.index);
         }
         let index = window.index(x, y);
         match self.patches.next_layer(hit.layer, hit.index, dx, dy, index) {
-            Some(layer) => self.own(layer, index),
-            None => self.own(hit.layer, hit.index),
+            Some(layer) => self.own::<DOUBT>(layer, index),
+            None => self.own::<DOUBT>(hit.layer, hit.index),
         }
     }
 
     /// A pixel of a surface as it is.
     #[inline(always)]
-    fn own(&self, layer: usize, index: usize) -> Found {
+    fn own<const DOUBT: bool>(&self, layer: usize, index: usize) -> Found {
         let surface = &self.surfaces[layer];
-        Found { rgba: surface.rgba[index], ended: surface.cover[index] }
+        let cover = surface.cover[index];
+        let doubt = if DOUBT { cover * surface.doubt[index] } else { 0.0 };
+        Found { rgba: surface.rgba[index], doubt, ended: cover }
     }
 }
 

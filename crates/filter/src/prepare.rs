@@ -23,8 +23,6 @@ pub(crate) struct Prepared {
     pub(crate) fragments: Vec<Fragment>,
     /// The cells of the first surface.
     pub(crate) cells: Cells,
-    /// How far the first layer's colour may be off, by pixel: at silhouettes, and where the depth is a guess.
-    pub(crate) doubt: Vec<f32>,
 }
 
 impl Prepared {
@@ -40,10 +38,10 @@ impl Prepared {
         let cells = Cells::new(&first, jump);
         let splits = splits(&first, &cells, &hidden, jump);
         let mut fragments = Vec::new();
-        let mut doubt = vec![0.0; first.cover.len()];
+        first.doubt = vec![0.0; first.cover.len()];
         for split in &splits {
             let (i, share) = (split.index, split.share);
-            doubt[i] = split.doubt;
+            first.doubt[i] = split.doubt;
             if split.is_near {
                 first.cover[i] = share;
                 first.rgba[i] = split.near.map(|c| c * share);
@@ -80,7 +78,7 @@ impl Prepared {
         }
         fragments.extend(filled);
         fragments.sort_by_key(|fragment| fragment.index);
-        let mut prepared = Self { first, fragments, cells, doubt };
+        let mut prepared = Self { first, fragments, cells };
         if sides != Sides::Both {
             prepared.sharpen(view, camera, sides);
             prepared.cells = prepared.cells.with_ranges_of(&prepared.first);
@@ -120,6 +118,7 @@ impl Prepared {
             rgba: vec![[0.0; 4]; first.cover.len()],
             cover: vec![0.0; first.cover.len()],
             tame: Tame::default(),
+            doubt: vec![0.0; first.cover.len()],
         };
         let (mut behind, mut before): (Vec<Surface>, Option<Surface>) = (Vec::new(), None);
         for of_pixel in fragments.chunk_by(|a, b| a.index == b.index) {
@@ -153,6 +152,7 @@ impl Surface {
         self.slopes[i] = fragment.slope;
         self.rgba[i] = fragment.rgba;
         self.cover[i] = fragment.cover;
+        self.doubt[i] = fragment.doubt;
     }
 }
 

@@ -28,6 +28,8 @@ pub(crate) struct Surface {
     pub(crate) rgba: Vec<[f32; 4]>,
     /// How much of the pixel it fills: 1 in the first layer, alpha in hidden ones; 0 where there is nothing.
     pub(crate) cover: Vec<f32>,
+    /// How far the colour may be off, root mean square over R, G and B; empty where all of it is known.
+    pub(crate) doubt: Vec<f32>,
     /// Change of inverse depth per pixel in x and y; empty in the first layer, where it is the one of the pixels around.
     pub(crate) slopes: Vec<[f32; 2]>,
     /// What its colours spare those who read them in the layer itself.
@@ -56,6 +58,7 @@ impl Surface {
             inverse_depth: vec![0.0; window.area()],
             rgba: vec![[0.0; 4]; window.area()],
             cover: vec![1.0; window.area()],
+            doubt: Vec::new(),
             slopes: Vec::new(),
             tame: Tame::default(),
         };

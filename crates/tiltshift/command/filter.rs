@@ -36,8 +36,8 @@ pub(crate) struct Options {
     /// the plane of focus, as a channel "coc" of the result.
     #[arg(long)]
     coc: bool,
-    /// Also write how far each pixel may be from the truth, as a channel "predicted_error" of the result (methods gather
-    /// and merged).
+    /// Also write how far each pixel may be from the truth, as a channel "predicted_error" of the result (methods gather,
+    /// merged and lens-rays).
     #[arg(long)]
     predicted_error: bool,
     /// Exposure of the PNG in stops.
@@ -173,7 +173,8 @@ impl MethodOptions {
             MethodName::Gather => Method::Gather(settings),
             MethodName::Merged => Method::Merged(settings),
             MethodName::LensRays => {
-                Method::LensRays(LensRaysSettings { samples: self.rays, max_radius_px: self.max_radius, layers, sides })
+                let (samples, max_radius_px) = (self.rays, self.max_radius);
+                Method::LensRays(LensRaysSettings { samples, max_radius_px, layers, sides, predict_error })
             }
         }
     }
@@ -217,9 +218,9 @@ pub(crate) fn run(options: &Options) -> Outcome {
 
     // Filter it
     let method = options.method.method(options.predicted_error);
-    if options.predicted_error && !matches!(method, Method::Gather(_) | Method::Merged(_)) {
+    if options.predicted_error && matches!(method, Method::Pinhole | Method::OwnCoc(_)) {
         let name = method.name();
-        return Err(anyhow!("--predicted-error is known for the methods gather and merged only, not for {name}").into());
+        return Err(anyhow!("--predicted-error is known for gather, merged and lens-rays only, not for {name}").into());
     }
     let started = std::time::Instant::now();
     let bar = Bar::new(format!("filter ({})", method.name()));
