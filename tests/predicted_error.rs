@@ -1,20 +1,30 @@
 //! The predicted error against the true one, beside a constant map and the mask of depth edges.
 //!
-//! The map was calibrated on `simple/tilt`, `simple/double`, `simple/reverse` and `simple/tilt_swing_shift`; none of them
-//! is used here. `landscape` is another scene, but `landscape/double` was looked at when the Laplacian was chosen among
-//! other features, so that only the two shots of `simple` were never seen. The true error is the root of (F - A)(F - B),
-//! mean over R, G and B and 3x3 pixels, where A and B are two independent halves of the truth: their noise drops out.
+//! No shot here was used to calibrate the map; which were is said in `crates/filter/src/predicted.rs`. The shots of
+//! `simple` share its scene with some that were, those of `landscape` likewise. The true error is the root of
+//! (F - A)(F - B), mean over R, G and B and 3x3 pixels, where A and B are two independent halves of the truth: their noise
+//! drops out. Where `TILTSHIFT_SHARED` names the folder of reference pictures, some of these are looked at too; they have
+//! no halves, and their noise of 0.001 to 0.003 counts as an error.
 
 mod support {
     #[allow(dead_code, reason = "other tests use the rest")]
+    pub(crate) mod cases;
+    #[allow(dead_code, reason = "other tests use the rest")]
     pub(crate) mod score;
+    pub(crate) mod shared;
     #[allow(dead_code, reason = "other tests use the rest")]
     pub(crate) mod traced;
 }
 
-use filter::{FrameView, GatherSettings, Method};
-use rgbd::{Picture, Plane, Silent};
-use support::traced::{Traced, scene};
+use compare::Masks;
+use filter::{FrameView, GatherSettings, LensRaysSettings, Method};
+use optics::Camera;
+use rgbd::{Frame, Picture, Plane, Silent};
+use support::{
+    cases::Case,
+    shared,
+    traced::{Traced, scene},
+};
 
 /// An error above this is one that somebody sees.
 const SEEN: f32 = 0.02;
@@ -73,7 +83,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The true error of each pixel.
-fn true_error(picture: &Picture, [a, b]: &[Picture; 2]) -> Vec<f32> {
+fn true_error(picture: &Picture, [a, b]: [&Picture; 2]) -> Vec<f32> {
     let window = picture.window();
     let square = Plane::from_fn(window, |x, y| {
         let (f, a, b) = (picture.at(x, y), a.at(x, y), b.at(x, y));
@@ -87,34 +97,97 @@ fn true_error(picture: &Picture, [a, b]: &[Picture; 2]) -> Vec<f32> {
     window.pixels().map(error).collect()
 }
 
-#[test]
-#[expect(clippy::print_stderr, reason = "the figures are what the test is for")]
-fn the_predicted_error_follows_the_true_one_on_shots_it_was_not_calibrated_on() {
-    /// The least rank correlation that makes the map worth reading.
-    const RANK: f64 = 0.5;
-    let mut failures = Vec::new();
-    for (name, shot) in [("simple", "swing_shift"), ("simple", "tilt_shift"), ("landscape", "double")] {
-        let traced = Traced::new(&scene(name), shot, SAMPLES, optics::Camera::clone);
-        for layers in [1, 2] {
-            let settings = GatherSettings { layers, predict_error: true, ..GatherSettings::default() };
-            let (view, display) = (FrameView::whole(&traced.frame), traced.frame.display);
-            let filtered = filter::apply(&view, &traced.camera, &Method::Merged(settings), display, &Silent);
-            let filtered = filtered.expect("a frame of the camera's size");
-            let truth = true_error(&filtered.picture, &traced.halves);
-            let predicted = filtered.predicted_error.expect("a map was asked for").total;
-            let constant = vec![2.0 * SEEN; truth.len()];
-            let edges: Vec<f32> = traced.masks.edges().bits().iter().map(|&on| if on { 1.0 } else { 0.0 }).collect();
-            let [map, constant, edges] = [predicted.values(), &constant, &edges].map(|map| Agreement::new(map, &truth));
-            let what = format!("{name}/{shot}, layers {layers}");
-            for (map, of) in [("predicted", &map), ("constant", &constant), ("edge mask", &edges)] {
-                let Agreement { rank, precision, recall } = of;
-                eprintln!("{what:<34}{map:<12}rank {rank:5.2}  precision {precision:.2}  recall {recall:.2}");
-            }
-            let others = [&constant, &edges];
-            if map.rank < RANK || others.iter().any(|other| map.rank <= other.rank || map.f1() <= other.f1()) {
-                failures.push(what);
-            }
+/// What the map must reach.
+#[derive(Clone, Copy)]
+struct Floor {
+    rank: f64,
+    /// Of precision and of recall each.
+    both: f64,
+}
+
+/// Where texture leads.
+const TEXTURE: Floor = Floor { rank: 0.5, both: 0.6 };
+
+/// Where hidden background leads: below what one would wish for, a fifth below what was measured on 2026-11-25.
+const HIDDEN: Floor = Floor { rank: 0.5, both: 0.3 };
+
+/// Where the filter knows the hidden layer, so little is wrong (2 pixels in 1000) that only the order of the errors counts.
+const RARE: Floor = Floor { rank: 0.5, both: 0.0 };
+
+/// The same where the reference's own noise (0.003) is as large as most errors, so that it mixes up their order.
+const NOISY: Floor = Floor { rank: 0.4, both: 0.0 };
+
+/// A picture to be filtered.
+struct Shot<'a> {
+    name: &'a str,
+    frame: &'a Frame,
+    camera: &'a Camera,
+    masks: &'a Masks,
+    halves: [&'a Picture; 2],
+}
+
+impl Shot<'_> {
+    /// Prints how the maps agree with the true error of a method; what falls short, in words.
+    #[expect(clippy::print_stderr, reason = "the figures are what the test is for")]
+    fn shortfall(&self, method: &Method, layers: usize, floor: Floor) -> Option<String> {
+        let (view, display) = (FrameView::whole(self.frame), self.frame.display);
+        let filtered =
+            filter::apply(&view, self.camera, method, display, &Silent).expect("a frame of the camera's size");
+        let truth = true_error(&filtered.picture, self.halves);
+        let predicted = filtered.predicted_error.expect("a map was asked for").total;
+        let constant = vec![2.0 * SEEN; truth.len()];
+        let edges: Vec<f32> = self.masks.edges().bits().iter().map(|&on| if on { 1.0 } else { 0.0 }).collect();
+        let [map, constant, edges] = [predicted.values(), &constant, &edges].map(|map| Agreement::new(map, &truth));
+        let what = format!("{}, {}, layers {layers}", self.name, method.name());
+        for (map, of) in [("predicted", &map), ("constant", &constant), ("edge mask", &edges)] {
+            let Agreement { rank, precision, recall } = of;
+            eprintln!("{what:<46}{map:<12}rank {rank:5.2}  precision {precision:.2}  recall {recall:.2}");
         }
+        let loses = |other: &Agreement| map.rank <= other.rank || map.f1() <= other.f1();
+        let is_low = map.rank < floor.rank || map.precision.min(map.recall) < floor.both;
+        (is_low || loses(&constant) || loses(&edges)).then_some(what)
     }
+
+    /// The same for the merged gather with one layer and with two, and for lens rays with one.
+    fn shortfalls(&self, floors: [Floor; 3]) -> Vec<String> {
+        let merged =
+            |layers| Method::Merged(GatherSettings { layers, predict_error: true, ..GatherSettings::default() });
+        let rays = LensRaysSettings { layers: 1, predict_error: true, ..LensRaysSettings::default() };
+        let runs = [(merged(1), 1, floors[0]), (merged(2), 2, floors[1]), (Method::LensRays(rays), 1, floors[2])];
+        runs.iter().filter_map(|(method, layers, floor)| self.shortfall(method, *layers, *floor)).collect()
+    }
+}
+
+#[test]
+fn the_predicted_error_follows_the_true_one_on_shots_it_was_not_calibrated_on() {
+    let shots = [
+        ("simple", "swing_shift", [TEXTURE; 3]),
+        ("simple", "tilt_shift", [TEXTURE; 3]),
+        ("landscape", "swing", [HIDDEN, RARE, HIDDEN]),
+        ("landscape", "shift", [HIDDEN, RARE, HIDDEN]),
+    ];
+    let failures = shots.map(|(name, shot, floors)| {
+        let Traced { frame, camera, masks, halves: [a, b], .. } =
+            &Traced::new(&scene(name), shot, SAMPLES, Camera::clone);
+        Shot { name: &format!("{name}/{shot}"), frame, camera, masks, halves: [a, b] }.shortfalls(floors)
+    });
+    assert!(failures.iter().all(Vec::is_empty), "{}", failures.concat().join("\n"));
+}
+
+#[test]
+fn the_predicted_error_follows_the_true_one_on_references() {
+    let Some(shared) = shared::folder() else { return };
+    let folder = shared.join("reference");
+    let own = ["simple_combined", "landscape_reverse"].map(|name| (name, Case::read(&folder, name), RARE));
+    let cycles = ("blender simple", Case::of_cycles(&folder.join("blender"), "simple"), NOISY);
+    let failures: Vec<String> = own
+        .into_iter()
+        .chain([cycles])
+        .flat_map(|(name, case, floor)| {
+            let Case { frame, camera, masks, reference } = &case;
+            let truth = &reference.picture();
+            Shot { name, frame, camera, masks, halves: [truth; 2] }.shortfalls([floor; 3])
+        })
+        .collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
