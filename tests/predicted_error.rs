@@ -1,6 +1,8 @@
 //! The predicted error against the true one, beside a constant map and the mask of depth edges.
 //!
-//! No shot here was used to calibrate the map; which were is said in `crates/filter/src/predicted.rs`. The shots of
+//! No shot here was used to fit the map's constants (`crates/filter/src/predicted.rs` says which were). The figures of
+//! `simple/swing_shift` and `simple/tilt_shift` were in sight when its features were chosen; those of `simple/shift`,
+//! `landscape/shift` and `landscape/tilt_shift` were looked at only when all was settled. The shots of
 //! `simple` share its scene with some that were, those of `landscape` likewise. The true error is the root of
 //! (F - A)(F - B), mean over R, G and B and 3x3 pixels, where A and B are two independent halves of the truth: their noise
 //! drops out. Where `TILTSHIFT_SHARED` names the folder of reference pictures, some of these are looked at too; they have
@@ -108,8 +110,8 @@ struct Floor {
 /// Where texture leads.
 const TEXTURE: Floor = Floor { rank: 0.5, both: 0.6 };
 
-/// Where hidden background leads: below what one would wish for, a fifth below what was measured on 2026-11-25.
-const HIDDEN: Floor = Floor { rank: 0.5, both: 0.3 };
+/// Where hidden background leads: below what one would wish for (0.6), a tenth below what was measured on 2026-11-25.
+const HIDDEN: Floor = Floor { rank: 0.5, both: 0.25 };
 
 /// Where the filter knows the hidden layer, so little is wrong (2 pixels in 1000) that only the order of the errors counts.
 const RARE: Floor = Floor { rank: 0.5, both: 0.0 };
@@ -163,8 +165,9 @@ fn the_predicted_error_follows_the_true_one_on_shots_it_was_not_calibrated_on() 
     let shots = [
         ("simple", "swing_shift", [TEXTURE; 3]),
         ("simple", "tilt_shift", [TEXTURE; 3]),
-        ("landscape", "swing", [HIDDEN, RARE, HIDDEN]),
+        ("simple", "shift", [TEXTURE; 3]),
         ("landscape", "shift", [HIDDEN, RARE, HIDDEN]),
+        ("landscape", "tilt_shift", [HIDDEN, RARE, HIDDEN]),
     ];
     let failures = shots.map(|(name, shot, floors)| {
         let Traced { frame, camera, masks, halves: [a, b], .. } =
