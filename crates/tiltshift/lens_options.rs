@@ -60,6 +60,10 @@ pub(crate) struct LensOptions {
     /// anamorphic lens). The aperture is then that of the longer axis.
     #[arg(long, value_name = "RATIO")]
     pub(crate) anamorphic: Option<f64>,
+    /// Cat's eye (optical vignetting): towards the corners a second rim covers a part of the iris, there moved by STRENGTH
+    /// (0 to 1) radii towards the centre. The exposure is kept: nothing gets darker.
+    #[arg(long, visible_alias = "catseye", value_name = "STRENGTH")]
+    pub(crate) cat_eye: Option<f64>,
 
     /// Focus at this depth in metres on the optical axis (`inf` for infinity).
     #[arg(long, value_name = "M", group = "focus")]
@@ -154,6 +158,7 @@ impl LensOptions {
             || self.focus_plane.is_some()
             || self.blades.is_some()
             || self.anamorphic.is_some()
+            || self.cat_eye.is_some()
             || self.upright_iris
     }
 
@@ -185,7 +190,8 @@ impl LensOptions {
         let in_units = lens.scaled(1.0 / metres_per_unit).context("metres per unit of depth")?;
         let iris = if self.upright_iris { in_units.upright_iris(shape) } else { in_units.iris(shape) };
         let iris = iris.squeezed(self.anamorphic.unwrap_or(1.0))?;
-        Ok(Chosen { camera: in_units.camera(pose, film, iris)?, lens })
+        let camera = in_units.camera(pose, film, iris)?.with_cat_eye(self.cat_eye.unwrap_or(0.0))?;
+        Ok(Chosen { camera, lens })
     }
 
     /// The lens in metres.

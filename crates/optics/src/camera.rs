@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::{Film, Focus, Iris, Pose};
+use crate::{Film, Focus, Iris, OpticsError, Pose, error::in_range};
 
 /// A camera whose lens may tilt, swing and shift.
 ///
@@ -36,7 +36,8 @@ impl Camera {
     /// The camera-space ray of pixel direction `q` through the lens point of `u` in [0, 1)^2.
     ///
     /// Origin L, direction (q, 1) - w(q) L: no division, and no special case where w(q) is 0 or negative. `_time` is
-    /// for lenses that move. `None` if the lens blocks the ray: it would have to leave backwards.
+    /// for lenses that move. `None` if the lens blocks the ray: it would have to leave backwards, or its cat's eye is closed
+    /// there. A pixel is the mean over what is open: nothing gets darker towards the border.
     #[must_use]
     pub fn ray(&self, q: DVec2, u: DVec2, _time: f64) -> Option<LensRay> {
         let q1 = q.extend(1.0);
@@ -44,7 +45,7 @@ impl Camera {
         if self.iris.normal().dot(q1) <= 0.0 {
             return None;
         }
-        let origin = self.iris.point(u);
+        let origin = self.iris.open_point(q, u)?;
         let direction = q1 - self.focus.w().dot(q1) * origin;
         Some(LensRay { origin, direction, weight: 1.0 })
     }
@@ -58,6 +59,17 @@ impl Camera {
             direction: self.pose.direction_to_world(ray.direction),
             weight: ray.weight,
         })
+    }
+
+    /// The same camera with a cat's eye: at the corners of the film of an untilted, unshifted lens the second rim is moved by
+    /// `strength` (0 to 1) radii, less towards the centre.
+    ///
+    /// It grows with the tangent to the axis of the iris: a shifted film sees more of it on one side, a tilted iris takes it
+    /// along. Half of it leaves 69 % of the lens open in the corner, all of it 39 %.
+    pub fn with_cat_eye(self, strength: f64) -> Result<Self, OpticsError> {
+        in_range("strength of the cat's eye", strength, "0 to 1", |strength| (0.0..=1.0).contains(&strength))?;
+        let half_diagonal = 0.5 * (self.film.max() - self.film.min()).length();
+        Ok(Self { iris: self.iris.with_cat_eye((strength / half_diagonal).min(1e6))?, ..self })
     }
 
     /// The same camera with its iris closed to a pinhole.

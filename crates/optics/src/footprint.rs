@@ -18,7 +18,7 @@ pub enum Reading {
 ///
 /// This is eq. (5) exactly, in either reading. In a [`Reading::Gather`] through an upright iris `lean` is 0 and `spread`
 /// a multiple of the identity: an exact disc (of a squeezed iris: an exact oval, twice as tall as wide for a squeeze of 2;
-/// what is said of the disc model below is said of this oval). Offsets are in q, or in pixels after [`Self::in_pixels`]; pixel rows go
+/// what is said of the disc model below is said of this oval). A cat's eye is not regarded: it leaves a part of this. Offsets are in q, or in pixels after [`Self::in_pixels`]; pixel rows go
 /// down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Footprint {

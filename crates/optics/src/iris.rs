@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::{OpticsError, error::in_range};
+use crate::{Opening, OpticsError, error::in_range};
 
 /// The outline of the opening, for a radius of 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -120,7 +120,8 @@ fn polygon_point(u: DVec2, blades: u32, rotation: f64) -> DVec2 {
 /// e1, e2 and the normal m are perpendicular unit vectors in camera space; m.z > 0. A radius of 0 is a pinhole.
 ///
 /// An anamorphic lens sees its iris [squeezed](Self::squeezed): the opening's outline, blades and all, is narrower along e1
-/// (or lower along e2), and the radius is the longer half axis of what was the unit circle.
+/// (or lower along e2), and the radius is the longer half axis of what was the unit circle. A lens that is a tube shows a
+/// [cat's eye](Self::with_cat_eye) towards the border; it is squeezed as the rest.
 ///
 /// ```
 /// use optics::{ApertureShape, Iris};
@@ -128,6 +129,10 @@ fn polygon_point(u: DVec2, blades: u32, rotation: f64) -> DVec2 {
 /// // A 2x anamorphic lens: points of light out of focus become ovals twice as tall as wide
 /// let iris = Iris::upright(0.01, ApertureShape::Disc)?.squeezed(2.0)?;
 /// assert_eq!(iris.half_sizes(), glam::DVec2::new(0.005, 0.01));
+///
+/// // A tube that covers a part of it at an angle: a cat's eye. 45 degrees off the axis 39 % of the lens are open
+/// let iris = Iris::upright(0.01, ApertureShape::Disc)?.with_cat_eye(1.0)?;
+/// assert!((iris.opening(glam::DVec2::X).share() - 0.391).abs() < 1e-3);
 /// # Ok::<(), optics::OpticsError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -140,6 +145,9 @@ pub struct Iris {
     /// Height over width.
     #[serde(skip_serializing_if = "is_one")]
     squeeze: f64,
+    /// By how many radii the second rim moves for a tangent of 1.
+    #[serde(skip_serializing_if = "is_zero")]
+    cat_eye: f64,
     shape: ApertureShape,
 }
 
@@ -158,7 +166,7 @@ impl Iris {
     /// The same, of numbers that are right by construction.
     pub(crate) fn across(m: DVec3, radius: f64, shape: ApertureShape) -> Self {
         let e1 = DVec3::new(m.z, 0.0, -m.x).normalize();
-        Self { e1, e2: m.cross(e1), m, radius, squeeze: 1.0, shape }
+        Self { e1, e2: m.cross(e1), m, radius, squeeze: 1.0, cat_eye: 0.0, shape }
     }
 
     /// An iris parallel to the sensor.
@@ -169,7 +177,8 @@ impl Iris {
     /// The iris that lets only chief rays pass.
     #[must_use]
     pub fn pinhole() -> Self {
-        Self { e1: DVec3::X, e2: DVec3::Y, m: DVec3::Z, radius: 0.0, squeeze: 1.0, shape: ApertureShape::Disc }
+        let (e1, e2, m) = (DVec3::X, DVec3::Y, DVec3::Z);
+        Self { e1, e2, m, radius: 0.0, squeeze: 1.0, cat_eye: 0.0, shape: ApertureShape::Disc }
     }
 
     /// The same iris opened to another radius.
@@ -187,6 +196,18 @@ impl Iris {
             (0.25..=4.0).contains(&ratio)
         })?;
         Ok(Self { squeeze, ..self })
+    }
+
+    /// The same iris in a tube: a second rim, as wide as the unit circle, covers a part of it at an angle.
+    ///
+    /// `cat_eye` (0 to 1e6; 0 for none) is by how many radii the rim moves for a direction whose tangent to the axis is 1:
+    /// the length of the tube over the radius. [`Camera::with_cat_eye`](crate::Camera::with_cat_eye) takes it from the shift
+    /// at a corner of the picture.
+    pub fn with_cat_eye(self, cat_eye: f64) -> Result<Self, OpticsError> {
+        in_range("cat's eye (length of the tube over the aperture radius)", cat_eye, "0 to 1e6", |length| {
+            (0.0..=1e6).contains(&length)
+        })?;
+        Ok(Self { cat_eye, ..self })
     }
 
     /// First axis of the opening.
@@ -219,6 +240,23 @@ impl Iris {
         self.squeeze
     }
 
+    /// By how many radii the second rim moves for a tangent of 1; 0 without a [cat's eye](Self::with_cat_eye).
+    #[must_use]
+    pub fn cat_eye(&self) -> f64 {
+        self.cat_eye
+    }
+
+    /// What pixel direction q sees open of it.
+    ///
+    /// The rim stands before the iris, so that it moves against q: what is open at the right of the picture is the left.
+    #[must_use]
+    pub fn opening(&self, q: DVec2) -> Opening {
+        let q1 = q.extend(1.0);
+        let tangent = DVec2::new(self.e1.dot(q1), self.e2.dot(q1)) / self.m.dot(q1).max(1e-9);
+        let rim = (-self.cat_eye * tangent).clamp_length_max(Opening::LARGEST_SHIFT);
+        Opening { shape: self.shape, rim: if self.cat_eye == 0.0 { DVec2::ZERO } else { rim } }
+    }
+
     /// Half width along e1 and half height along e2 of an opening of radius 1; the longer one is 1.
     #[must_use]
     pub fn proportions(&self) -> DVec2 {
@@ -237,13 +275,28 @@ impl Iris {
         self.shape
     }
 
-    /// The point of the opening for a point of the unit square, uniform in area; camera space.
+    /// The point of the whole iris for a point of the unit square, uniform in area; camera space.
     #[must_use]
     pub fn point(&self, u: DVec2) -> DVec3 {
         if self.radius == 0.0 {
             return DVec3::ZERO;
         }
-        let p = self.half_sizes() * self.shape.sample(u);
+        self.placed(self.shape.sample(u))
+    }
+
+    /// The same if it is open for pixel direction q.
+    #[must_use]
+    pub fn open_point(&self, q: DVec2, u: DVec2) -> Option<DVec3> {
+        if self.radius == 0.0 || self.cat_eye == 0.0 {
+            return Some(self.point(u));
+        }
+        let p = self.shape.sample(u);
+        self.opening(q).is_within_rim(p).then(|| self.placed(p))
+    }
+
+    /// A point of the unit opening in camera space.
+    fn placed(&self, p: DVec2) -> DVec3 {
+        let p = self.half_sizes() * p;
         self.e1 * p.x + self.e2 * p.y
     }
 }
@@ -257,6 +310,8 @@ struct Written {
     radius: f64,
     #[serde(default = "one")]
     squeeze: f64,
+    #[serde(default)]
+    cat_eye: f64,
     shape: ApertureShape,
 }
 
@@ -270,17 +325,22 @@ fn is_one(squeeze: &f64) -> bool {
     *squeeze == 1.0
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(cat_eye: &f64) -> bool {
+    *cat_eye == 0.0
+}
+
 impl TryFrom<Written> for Iris {
     type Error = OpticsError;
 
-    fn try_from(Written { e1, e2, m, radius, squeeze, shape }: Written) -> Result<Self, OpticsError> {
+    fn try_from(Written { e1, e2, m, radius, squeeze, cat_eye, shape }: Written) -> Result<Self, OpticsError> {
         const LOOSE: f64 = 1e-6; // what a file with floats may be off by
         // A frame that is orthonormal and right is kept to the bit; its first axis may be turned, the normal not
-        Self::new(m, radius, shape)?.squeezed(squeeze)?;
+        Self::new(m, radius, shape)?.squeezed(squeeze)?.with_cat_eye(cat_eye)?;
         let is_unit = |axis: DVec3| (axis.length() - 1.0).abs() <= LOOSE;
         if !(is_unit(e1) && is_unit(m) && e1.dot(m).abs() <= LOOSE && e2.distance(m.cross(e1)) <= LOOSE) {
             return Err(OpticsError::NotAFrame("e1, e2 and m of the iris are no right-handed frame"));
         }
-        Ok(Self { e1, e2, m, radius, squeeze, shape })
+        Ok(Self { e1, e2, m, radius, squeeze, cat_eye, shape })
     }
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use rgbd::{Cancelled, PixelWindow, Progress, Truth};
 
 use crate::accumulation::{Accumulation, Sum};
-use crate::sampler::{MAX_SAMPLES, Sample, Sampler};
+use crate::sampler::{MAX_ATTEMPTS, MAX_SAMPLES, Sampler};
 use crate::{Pixels, Ray, RenderError, Scene};
 
 /// Pixels that one thread takes at a time.
@@ -46,7 +46,7 @@ pub fn render(
             if pixels.contains(x, y) {
                 for (half, sum) in sums.iter_mut().enumerate() {
                     let sampler = Sampler::new(seed, x, y, half);
-                    samples.clone().for_each(|index| sum.add(see(scene, camera, x, y, sampler.sample(index))));
+                    samples.clone().for_each(|index| sum.add(see(scene, camera, x, y, &sampler, index)));
                 }
             }
         }
@@ -62,12 +62,17 @@ fn place(window: PixelWindow, index: usize) -> (i32, i32) {
     (window.x.saturating_add_unsigned((index % width) as u32), window.y.saturating_add_unsigned((index / width) as u32))
 }
 
-/// What one sample of a pixel sees; black where the lens blocks it.
+/// What one sample of a pixel sees; black where the lens blocks it altogether.
 #[inline]
-fn see(scene: &Scene, camera: &Camera, x: i32, y: i32, sample: Sample) -> Vec3 {
+fn see(scene: &Scene, camera: &Camera, x: i32, y: i32, sampler: &Sampler, index: u32) -> Vec3 {
+    let sample = sampler.sample(index);
     let pixel = DVec2::new(f64::from(x), f64::from(y)) + sample.pixel;
     let q = camera.film.q_from_pixel(pixel);
-    match camera.world_ray(q, sample.lens, 0.0) {
+    // A pixel is the mean over the open lens: take another point where a cat's eye is closed
+    let attempts = if camera.iris.cat_eye() > 0.0 { MAX_ATTEMPTS } else { 0 };
+    let others = (1..=attempts).map(|attempt| sampler.other_lens(index, attempt));
+    let ray = std::iter::once(sample.lens).chain(others).find_map(|u| camera.world_ray(q, u, 0.0));
+    match ray {
         Some(ray) => scene.radiance(&Ray::new(ray.origin, ray.direction)) * ray.weight as f32,
         None => Vec3::ZERO,
     }

@@ -6,6 +6,10 @@ use sobol_burley::sample_4d;
 /// Length of a pixel's sequence in each half.
 pub const MAX_SAMPLES: u32 = 1 << 16;
 
+/// How many other points of the lens a sample may try; the least open lens, a fifth of it, blocks that many in a row once in
+/// 10^9 samples.
+pub(crate) const MAX_ATTEMPTS: u32 = 96;
+
 /// The Owen-scrambled Sobol sequence of one pixel in one half (Burley, "Practical Hash-based Owen Scrambling", JCGT
 /// 2020): four dimensions well spread together, pixel x, y and lens u, v.
 ///
@@ -36,6 +40,14 @@ impl Sampler {
     pub(crate) fn sample(&self, index: u32) -> Sample {
         let [x, y, u, v] = sample_4d(index, 0, self.scramble).map(f64::from);
         Sample { pixel: DVec2::new(x, y), lens: DVec2::new(u, v) }
+    }
+
+    /// Another point on the lens for sample `index`, should the lens block the first: one for each `attempt` from 1 to
+    /// [`MAX_ATTEMPTS`], from dimensions of its own.
+    #[inline]
+    pub(crate) fn other_lens(&self, index: u32, attempt: u32) -> DVec2 {
+        let [a, b, c, d] = sample_4d(index, attempt.div_ceil(2), self.scramble).map(f64::from);
+        if attempt % 2 == 1 { DVec2::new(a, b) } else { DVec2::new(c, d) }
     }
 }
 

@@ -41,7 +41,7 @@ impl ShotTables {
         let iris = iris(&self.lens, lens.as_ref())?;
         let image_distance = lens.map(|lens| lens.image_distance()).or(lengths.image);
         let film = film(&self.film, &self.lens, image_distance, millimetre)?;
-        let camera = Camera { pose, film, focus, iris };
+        let camera = Camera { pose, film, focus, iris }.with_cat_eye(self.lens.cat_eye.unwrap_or(0.0))?;
         // A tilted iris must not be seen from its edge
         if film.corners().into_iter().any(|q| iris.normal().dot(q.extend(1.0)) <= 0.0) {
             return Fault::says(

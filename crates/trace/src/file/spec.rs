@@ -167,6 +167,7 @@ sparse_table!(
         iris: IrisSpec,
         blades: BladesSpec,
         anamorphic: f64,
+        cat_eye: f64,
     }
 );
 
