@@ -31,6 +31,7 @@ use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
 use crate::{
     FrameView, Sides,
+    cat_eye::CatEye,
     cells::BLOCK,
     forest::Forest,
     kernel::KernelTable,
@@ -115,8 +116,9 @@ pub(crate) fn gather(
     let lens = ViewLens { view, camera, model };
     let limits = [max_radius, run.largest_radius];
     let in_sight = lens.in_sight(&prepared.cells, max_radius.min(run.largest_radius));
-    // Kernels of an oval are stretched by an amount of their own at each radius
-    let is_plain = merge && table.is_round();
+    // Kernels of an oval are stretched by an amount of their own at each radius, cat's eyes differ from pixel to pixel
+    let has_eye = camera.iris.cat_eye() > 0.0;
+    let is_plain = merge && table.is_round() && !has_eye;
     let lattice = is_plain.then(|| Lattice::new(&lens, &prepared.first, &prepared.cells, &in_sight, &table, limits));
     let plain = PlainBlocks { in_sight: &in_sight, lattice, first: &prepared.first };
     let job = Gather { lens, max_radius, px, forest, plain, table, merge };
@@ -125,6 +127,8 @@ pub(crate) fn gather(
     let channels = if run.doubt { 6 } else { 4 };
     let planes = by_tiles(window, channels, progress, |part, out| {
         dispatch!(level, simd => match (round, run.doubt) {
+            // Doubt that is not wanted is left out in the end
+            _ if has_eye => job.tile::<_, _, true>(simd, &CatEye::new(job.table.outline()), part, out),
             (true, false) => job.tile::<_, _, false>(simd, &Round, part, out),
             (true, true) => job.tile::<_, _, true>(simd, &Round, part, out),
             (false, false) => job.tile::<_, _, false>(simd, &Shaped(job.table.outline()), part, out),

@@ -5,7 +5,7 @@
 //! covariance are exactly those of the opening: a flat or evenly graded surface then comes out without noise.
 
 use glam::{DMat2, DVec2, Vec2};
-use optics::ApertureShape;
+use optics::{ApertureShape, Opening};
 use rayon::prelude::*;
 use sobol_burley::sample_4d;
 
@@ -43,6 +43,36 @@ impl LensPoints {
     }
 }
 
+/// The first `samples` points that are open, with the mean and the covariance of the open part, which `many` points tell; all
+/// of them where none is open.
+pub(crate) fn open_points(points: &[Vec2], samples: usize, opening: &Opening, many: &[Vec2]) -> Vec<Vec2> {
+    let is_open = |p: &&Vec2| opening.is_within_rim(p.as_dvec2());
+    let open: Vec<Vec2> = points.iter().filter(is_open).take(samples).copied().collect();
+    if open.len() < 8 {
+        return if open.is_empty() { points.to_vec() } else { open };
+    }
+    let (mean, found) = moments(&open);
+    let many: Vec<Vec2> = many.iter().filter(is_open).copied().collect();
+    let (center, wanted) = moments(&many);
+    let correct = symmetric_root(wanted) * symmetric_root(found).inverse();
+    open.into_iter().map(|p| (center + correct * (p.as_dvec2() - mean)).as_vec2()).collect()
+}
+
+/// Mean and covariance.
+fn moments(points: &[Vec2]) -> (DVec2, DMat2) {
+    let share = 1.0 / points.len() as f64;
+    let mean = share * points.iter().map(|p| p.as_dvec2()).sum::<DVec2>();
+    let from_mean = points.iter().map(|p| p.as_dvec2() - mean);
+    (mean, from_mean.map(|p| DMat2::from_cols(p * p.x, p * p.y) * share).sum())
+}
+
+/// The symmetric square root of a covariance.
+fn symmetric_root(covariance: DMat2) -> DMat2 {
+    let root = covariance.determinant().max(0.0).sqrt();
+    let trace = covariance.x_axis.x + covariance.y_axis.y;
+    (covariance + DMat2::IDENTITY * root) * (trace + 2.0 * root).sqrt().recip()
+}
+
 /// The points with mean 0 and the same `variance` along every axis; as they are where they are too few for that.
 fn balanced(points: Vec<DVec2>, variance: f64) -> Vec<Vec2> {
     let count = points.len() as f64;
@@ -51,10 +81,7 @@ fn balanced(points: Vec<DVec2>, variance: f64) -> Vec<Vec2> {
     for p in points.iter().map(|p| p - mean) {
         covariance += DMat2::from_cols(p * p.x, p * p.y) * (1.0 / count);
     }
-    // The symmetric root of the covariance, undone
-    let root = covariance.determinant().max(0.0).sqrt();
-    let trace = covariance.x_axis.x + covariance.y_axis.y;
-    let spread = (covariance + DMat2::IDENTITY * root) * (trace + 2.0 * root).sqrt().recip();
+    let spread = symmetric_root(covariance);
     let correct = if points.len() < 8 { DMat2::IDENTITY } else { spread.inverse() * variance.sqrt() };
     let mean = if points.len() < 2 { points[0] } else { mean };
     points.into_iter().map(|p| (correct * (p - mean)).as_vec2()).collect()

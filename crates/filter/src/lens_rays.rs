@@ -27,7 +27,7 @@ use crate::{
     lattice::Lattice,
     lattice_work::LatticeScratch,
     lens_map::{PixelLens, skew, spread},
-    lens_points::LensPoints,
+    lens_points::{LensPoints, open_points},
     lens_ray::{Hit, LensRay, floor, pixel_ranges},
     patch::Patches,
     plain_blocks::{Left, PlainBlocks, Target},
@@ -71,7 +71,10 @@ struct Job<'a> {
     surfaces: &'a [Surface],
     patches: Patches,
     pyramid: DepthPyramid,
+    /// Rays of a pixel, their points, and so many that they stand for the whole lens.
+    samples: usize,
     points: LensPoints,
+    many_points: LensPoints,
     fetch: FetchRadius,
 }
 
@@ -106,18 +109,22 @@ pub(crate) fn lens_rays(
     let patches = Patches::new(&surfaces, (SEAMLESS_PX / blur).min(1e6));
     let pyramid = DepthPyramid::new(patches.window, pixel_ranges(&patches));
     let shape = camera.iris.shape();
-    let points = LensPoints::new(shape, run.samples);
-    let fetch = FetchRadius::new(&LensPoints::new(shape, 1024), shape.variance());
+    // Of a cat's eye only the open points serve: have as many more
+    let points = LensPoints::new(shape, run.samples * (1.0 / least_open(view, camera)).ceil().min(8.0) as u32);
+    let many_points = LensPoints::new(shape, 1024);
+    let fetch = FetchRadius::new(&many_points, shape.variance());
 
     let lens = ViewLens { view, camera, model: KernelModel::Exact };
     let limits = [run.max_radius, run.largest_radius];
     let in_sight = lens.in_sight(&cells, run.max_radius.min(run.largest_radius));
     let table = KernelTable::of(camera);
-    // The lattice knows the skew of a leaning iris to second order only, which is less than rays do
-    let is_plain = table.is_round() && camera.iris.e1().z == 0.0 && camera.iris.e2().z == 0.0;
+    // The lattice knows the skew of a leaning iris to second order only, which is less than rays do, and no cat's eye
+    let has_eye = camera.iris.cat_eye() > 0.0;
+    let is_plain = table.is_round() && !has_eye && camera.iris.e1().z == 0.0 && camera.iris.e2().z == 0.0;
     let lattice = is_plain.then(|| Lattice::new(&lens, &surfaces[0], &cells, &in_sight, &table, limits));
     let plain = PlainBlocks { in_sight: &in_sight, lattice, first: &surfaces[0] };
-    let job = Job { lens, plain, max_radius: run.max_radius, surfaces: &surfaces, patches, pyramid, points, fetch };
+    let (samples, max_radius, surfaces) = (run.samples as usize, run.max_radius, surfaces.as_slice());
+    let job = Job { lens, plain, max_radius, surfaces, patches, pyramid, samples, points, many_points, fetch };
     let level = Level::new();
     let channels = if run.doubt { 6 } else { 4 };
     let planes = by_tiles(window, channels, progress, |part, out| {
@@ -127,6 +134,14 @@ pub(crate) fn lens_rays(
         });
     })?;
     Ok(Gathered::from_planes(planes))
+}
+
+/// The least share of the lens that is open anywhere in the frame: in one of its corners.
+fn least_open(view: &FrameView, camera: &Camera) -> f64 {
+    let data = view.frame().data();
+    let corners = [(data.x, data.y), (data.x_end(), data.y), (data.x, data.y_end()), (data.x_end(), data.y_end())];
+    let share = |(x, y)| camera.iris.opening(pixel_q(view, camera, x, y)).share();
+    corners.into_iter().map(share).fold(1.0, f64::min)
 }
 
 /// What a ray, or all rays of a pixel, have found: colour, how far it may be off, and how much of them has ended.
@@ -221,6 +236,9 @@ impl Job<'_> {
         let display = view.frame().display;
         let mut found = Found::default();
         let points = self.points.of_pixel(x - display.x, y - display.y);
+        let open = (camera.iris.cat_eye() > 0.0)
+            .then(|| open_points(points, self.samples, &camera.iris.opening(q), self.many_points.of_pixel(0, 0)));
+        let points = open.as_deref().unwrap_or(points);
         for u in points {
             let pace = (axis1 * u.x + axis2 * u.y) / (1.0 - skew.dot(*u)).max(0.5);
             let (column, row) = (x - window.x, y - window.y);

@@ -18,6 +18,7 @@
 //! first, so that lamps out of focus become bright discs.
 
 mod apply;
+mod cat_eye;
 mod cells;
 mod color_pyramid;
 mod depth_pyramid;

@@ -8,6 +8,7 @@ use rgbd::{Cancelled, Picture, PixelWindow, Plane, Progress};
 
 use crate::{
     FrameView,
+    cat_eye::Eye,
     kernel::KernelTable,
     lens_map::PixelLens,
     surface::{Surface, pixel_q},
@@ -32,7 +33,8 @@ pub(crate) fn own_coc(
             return [0.0; 4];
         }
         let here = surface.window.index(x, y);
-        let lens = PixelLens::new(camera, model, pixel_q(view, camera, x, y));
+        let q = pixel_q(view, camera, x, y);
+        let (lens, eye) = (PixelLens::new(camera, model, q), Eye::of(camera, q));
         let defocus = lens.scale * (surface.inverse_depth[here] - lens.focus);
         let radius = defocus.abs().min(max_radius);
         let (kernel, _) = table.with_slope(radius);
@@ -40,7 +42,11 @@ pub(crate) fn own_coc(
         let around = PixelWindow { x, y, width: 1, height: 1 }.grown(reach, reach).intersection(&surface.window);
         let (mut sum, mut total) = ([0.0; 4], 0.0);
         for (u, v) in around.pixels() {
-            let weight = table.weight(lens.iris_offset((u - x) as f32, (v - y) as f32, defocus), radius, &kernel);
+            let offset = lens.iris_offset((u - x) as f32, (v - y) as f32, defocus);
+            let weight = match &eye {
+                Some(eye) => eye.weight(&table, offset, radius, &kernel),
+                None => table.weight(offset, radius, &kernel),
+            };
             if weight > 0.0 {
                 total += weight;
                 let rgba = surface.rgba[surface.window.index(u, v)];

@@ -8,8 +8,8 @@ use optics::Camera;
 use rgbd::{Picture, PixelWindow};
 
 use crate::{
-    FrameView, gather::GatherRun, kernel::KernelTable, lens_map::PixelLens, prepare::Prepared, surface::pixel_q,
-    tap::SLOPE_FROM, taps::SLAB_PX, view_lens::ViewLens,
+    FrameView, cat_eye::Eye, gather::GatherRun, kernel::KernelTable, lens_map::PixelLens, prepare::Prepared,
+    surface::pixel_q, tap::SLOPE_FROM, taps::SLAB_PX, view_lens::ViewLens,
 };
 
 /// A surface's part of a pixel.
@@ -46,9 +46,11 @@ pub(crate) fn plain(view: &FrameView, camera: &Camera, run: &GatherRun, window: 
     let lens = ViewLens { view, camera, model: run.model };
     let in_sight = lens.in_sight(&prepared.cells, run.max_radius.min(run.largest_radius));
     Picture::from_fn(window, |x, y| {
-        let lens = PixelLens::new(camera, run.model, pixel_q(view, camera, x, y));
+        let q = pixel_q(view, camera, x, y);
+        let (lens, eye) = (PixelLens::new(camera, run.model, q), Eye::of(camera, q));
         let px = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
-        let given = pieces.iter().filter_map(|piece| give(piece, (x, y), &lens, &table, px, run.max_radius));
+        let given =
+            pieces.iter().filter_map(|piece| give(piece, (x, y), (&lens, eye.as_ref()), &table, px, run.max_radius));
         let mut given: Vec<Given> = given.collect();
         if !in_sight.at(x, y) {
             given.retain(|given| given.is_first);
@@ -85,7 +87,7 @@ fn pieces(prepared: &Prepared) -> Vec<Piece> {
 fn give(
     piece: &Piece,
     (x, y): (i32, i32),
-    lens: &PixelLens,
+    (lens, eye): (&PixelLens, Option<&Eye>),
     table: &KernelTable,
     px: f32,
     max_radius: f32,
@@ -99,7 +101,12 @@ fn give(
 
     // The weight of the pixel in the footprint
     let (kernel, _) = table.with_slope(radius);
-    let weight = piece.cover * table.weight(lens.iris_offset(dx, dy, defocus), radius, &kernel);
+    let offset = lens.iris_offset(dx, dy, defocus);
+    let weight = match eye {
+        Some(eye) => eye.weight(table, offset, radius, &kernel),
+        None => table.weight(offset, radius, &kernel),
+    };
+    let weight = piece.cover * weight;
     if weight <= 0.0 {
         return None;
     }
@@ -109,12 +116,14 @@ fn give(
     let to_lens = if trust > 0.0 { defocus.signum() / defocus.abs().max(SLOPE_FROM) } else { 0.0 };
     let rise = lens.scale * (piece.slope[0] * dx + piece.slope[1] * dy);
     let slope = (1.0 - trust * rise * to_lens).clamp(0.5, 2.0);
+    let point = lens.unskewed(dx, dy).map(|d| d * to_lens);
+    let point = eye.map_or(point, |eye| eye.on_disc(point));
     Some(Given {
         is_first: piece.is_first,
         slab: (piece.inverse_depth * px / SLAB_PX).floor() as i64,
         share: f64::from(weight * slope),
         rgba: piece.rgba.map(|c| f64::from(c / piece.cover)),
-        point: lens.unskewed(dx, dy).map(|d| f64::from(d * to_lens)),
+        point: point.map(f64::from),
         trust: f64::from(trust),
         sharpness: f64::from((0.5 * radius).clamp(0.5, 4.0)),
     })
@@ -218,6 +227,10 @@ mod tests {
         }
     }
 
+    fn with_eye(camera: Camera) -> Camera {
+        camera.with_cat_eye(0.8).unwrap()
+    }
+
     fn cases() -> Vec<(&'static str, Camera, KernelModel)> {
         let pentagon = ApertureShape::polygon(5, 0.3).unwrap();
         let (upright, leaning) = (DVec3::Z, DVec3::new(0.1, -0.15, 1.0));
@@ -231,6 +244,8 @@ mod tests {
             ("tilted pentagon", camera(tilted, leaning, 0.15, pentagon), KernelModel::Exact),
             ("tilted exact", camera(tilted, leaning, 0.15, ApertureShape::Disc), KernelModel::Exact),
             ("steep disc", camera(steep, upright, 0.15, ApertureShape::Disc), KernelModel::Disc),
+            ("level cat's eye", with_eye(camera(level, upright, 0.2, ApertureShape::Disc)), KernelModel::Disc),
+            ("tilted cat's eye", with_eye(camera(tilted, leaning, 0.15, pentagon)), KernelModel::Exact),
             ("steep exact", camera(steep, leaning, 0.1, pentagon), KernelModel::Exact),
         ]
     }

@@ -7,6 +7,7 @@ use std::f32::consts::{FRAC_PI_4, PI};
 use fearless_simd::{f32x8, prelude::*};
 
 use crate::{
+    cat_eye::Eye,
     kernel::{Kernel, KernelTable, Outline},
     lens_map::PixelLens,
     tap::Weight,
@@ -59,16 +60,32 @@ pub(crate) struct Row {
 }
 
 /// How a footprint is drawn around a pixel.
-pub(crate) trait Footprint: Sync {
-    /// The weight of a tap at an offset (x right, y down).
+pub(crate) trait Footprint: Copy + Sync {
+    /// Whether a second rim covers a part of the lens.
+    const IS_CUT: bool = false;
+
+    /// The footprint over a row of pixels, each with its eye.
+    #[inline(always)]
+    fn over_row(&self, _: impl FnOnce() -> [Eye; LANES]) -> Self {
+        *self
+    }
+
+    /// The weight of a tap at an offset (x right, y down); `by` is what its defocus is more at each pixel.
     fn weight<S: Simd>(
         &self,
         tap: &BlockTap,
-        lens: &PixelLens,
+        shared: &Shared,
         x: f32x8<S>,
         y: f32x8<S>,
         kernel: &Lanes<S>,
+        by: f32x8<S>,
     ) -> f32x8<S>;
+
+    /// A lens point as one of a disc that stands for what is open.
+    #[inline(always)]
+    fn on_disc<S: Simd>(&self, point: [f32x8<S>; 2]) -> [f32x8<S>; 2] {
+        point
+    }
 
     /// An offset in pixels as one in iris coordinates, where every footprint is as wide as high.
     fn to_iris<S: Simd>(&self, lens: &PixelLens, x: f32x8<S>, y: f32x8<S>) -> [f32x8<S>; 2];
@@ -101,17 +118,26 @@ impl<S: Simd> Lanes<S> {
     }
 
     #[inline(always)]
-    fn at(&self, metric: f32x8<S>) -> f32x8<S> {
+    pub(crate) fn at(&self, metric: f32x8<S>) -> f32x8<S> {
         (self.a - self.b * metric).max(0.0).min(self.weight)
     }
 }
 
 /// A full disc, not foreshortened.
+#[derive(Clone, Copy)]
 pub(crate) struct Round;
 
 impl Footprint for Round {
     #[inline(always)]
-    fn weight<S: Simd>(&self, _: &BlockTap, _: &PixelLens, x: f32x8<S>, y: f32x8<S>, kernel: &Lanes<S>) -> f32x8<S> {
+    fn weight<S: Simd>(
+        &self,
+        _: &BlockTap,
+        _: &Shared,
+        x: f32x8<S>,
+        y: f32x8<S>,
+        kernel: &Lanes<S>,
+        _: f32x8<S>,
+    ) -> f32x8<S> {
         kernel.at(x.mul_add(x, y * y))
     }
 
@@ -122,18 +148,13 @@ impl Footprint for Round {
 }
 
 /// Any iris, foreshortened and skewed or not.
+#[derive(Clone, Copy)]
 pub(crate) struct Shaped<'a>(pub(crate) &'a Outline);
 
-impl Footprint for Shaped<'_> {
+impl Shaped<'_> {
+    /// An offset in the coordinates in which the footprint of a tap is drawn.
     #[inline(always)]
-    fn weight<S: Simd>(
-        &self,
-        tap: &BlockTap,
-        lens: &PixelLens,
-        x: f32x8<S>,
-        y: f32x8<S>,
-        kernel: &Lanes<S>,
-    ) -> f32x8<S> {
+    pub(crate) fn offset<S: Simd>(&self, tap: &BlockTap, lens: &PixelLens, x: f32x8<S>, y: f32x8<S>) -> [f32x8<S>; 2] {
         let [mut u, mut v] = self.to_iris(lens, x, y);
         // Undo the skew where the footprint is large enough to have a shape
         if lens.skew != [0.0; 2] && tap.weight.defocus.abs() > 0.5 {
@@ -141,7 +162,12 @@ impl Footprint for Shaped<'_> {
             let lean = lean.max(0.5).min(2.0);
             (u, v) = (u / lean, v / lean);
         }
-        let (u, v) = (u * (tap.weight.sign * tap.weight.stretch), v * (tap.weight.sign / tap.weight.stretch));
+        [u * (tap.weight.sign * tap.weight.stretch), v * (tap.weight.sign / tap.weight.stretch)]
+    }
+
+    /// The weight of a tap there.
+    #[inline(always)]
+    pub(crate) fn weight_at<S: Simd>(&self, tap: &BlockTap, [u, v]: [f32x8<S>; 2], kernel: &Lanes<S>) -> f32x8<S> {
         match self.0 {
             Outline::Disc => kernel.at(u.mul_add(u, v * v)),
             Outline::Polygon { normals, .. } => {
@@ -159,6 +185,21 @@ impl Footprint for Shaped<'_> {
                 (kernel.at(-low) - weight) * tap.weight.mirror + weight
             }
         }
+    }
+}
+
+impl Footprint for Shaped<'_> {
+    #[inline(always)]
+    fn weight<S: Simd>(
+        &self,
+        tap: &BlockTap,
+        shared: &Shared,
+        x: f32x8<S>,
+        y: f32x8<S>,
+        kernel: &Lanes<S>,
+        _: f32x8<S>,
+    ) -> f32x8<S> {
+        self.weight_at(tap, self.offset(tap, shared.lens, x, y), kernel)
     }
 
     #[inline(always)]
@@ -297,15 +338,20 @@ fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool, const HIDD
             None => Lanes::new(simd, &weight.kernel, &weight.change, defocus),
             Some(piece) => Lanes::steep(simd, shared, weight, piece, by),
         };
-        let mut share = footprint.weight(tap, shared.lens, dx, dy, &kernel);
+        let mut share = footprint.weight(tap, shared, dx, dy, &kernel, defocus);
 
         // Count a sloped surface by the part of the iris it fills
         let slope = f32x8::splat(simd, weight.slope[0]).mul_add(dx, dy * weight.slope[1] + 1.0);
         share *= slope.max(0.5).min(2.0);
 
         // Leave out the part of the lens that nearer things hide
-        let [u, v] = footprint.to_iris(shared.lens, dx, dy);
-        let to_lens = f32x8::splat(simd, weight.to_lens_change).mul_add(defocus, f32x8::splat(simd, weight.to_lens));
+        let [mut u, mut v] = footprint.to_iris(shared.lens, dx, dy);
+        let mut to_lens =
+            f32x8::splat(simd, weight.to_lens_change).mul_add(defocus, f32x8::splat(simd, weight.to_lens));
+        if F::IS_CUT {
+            [u, v] = footprint.on_disc([u * to_lens, v * to_lens]);
+            to_lens = f32x8::splat(simd, 1.0);
+        }
         if HIDDEN {
             let along = u.mul_add(hidden.direction[0], v * hidden.direction[1]) * to_lens;
             let open = ((hidden.edge - along) * weight.sharpness + 0.5).max(0.0).min(1.0);

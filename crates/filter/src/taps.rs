@@ -181,9 +181,11 @@ impl Gather<'_> {
             for (i, by) in by.iter_mut().enumerate() {
                 *by = corner + across * i as f32 + down * row as f32;
             }
+            let eye = |i: usize| self.lens.eye_at(f64::from(x + step * i as f32), f64::from(y + step * row as f32));
+            let footprint = footprint.over_row(|| std::array::from_fn(eye));
             let y = row as f32 * step - half[1];
             let (taps, slabs) = (&scratch.block, &scratch.slabs);
-            put(row, &gather_row::<S, F, DOUBT>(simd, footprint, &shared, taps, slabs, (step, y), &by));
+            put(row, &gather_row::<S, F, DOUBT>(simd, &footprint, &shared, taps, slabs, (step, y), &by));
         }
     }
 

@@ -6,6 +6,7 @@ use rgbd::PixelWindow;
 
 use crate::{
     FrameView,
+    cat_eye::Eye,
     cells::{BLOCK, Cells, InSight, Range},
     lens_map::PixelLens,
 };
@@ -21,9 +22,18 @@ pub(crate) struct ViewLens<'a> {
 impl ViewLens<'_> {
     /// The lens that a point sees; whole coordinates are pixel centres.
     pub(crate) fn at(&self, x: f64, y: f64) -> PixelLens {
+        PixelLens::new(self.camera, self.model, self.q_at(x, y))
+    }
+
+    /// What a point sees open of the lens.
+    pub(crate) fn eye_at(&self, x: f64, y: f64) -> Eye {
+        Eye::new(self.camera, self.q_at(x, y))
+    }
+
+    fn q_at(&self, x: f64, y: f64) -> DVec2 {
         let display = self.view.frame().display;
         let at = DVec2::new(x - f64::from(display.x) + 0.5, y - f64::from(display.y) + 0.5);
-        PixelLens::new(self.camera, self.model, self.camera.film.q_from_pixel(at))
+        self.camera.film.q_from_pixel(at)
     }
 
     /// The lens over a tile.
@@ -39,8 +49,17 @@ impl ViewLens<'_> {
         let spread = center.scale * (high - center.focus).max(center.focus - low);
         let stretch = corners.iter().map(PixelLens::stretch).fold(1.0, f32::max);
         let widest = corners.iter().map(|lens| lens.widest).fold(0.0, f32::max);
+        // A cat's eye is narrowest in one of the corners
+        let narrowest = if self.camera.iris.cat_eye() > 0.0 {
+            let eye = |x: i32, y: i32| self.eye_at(f64::from(x), f64::from(y)).narrowest();
+            let of_row = |y: i32| eye(tile.x, y).min(eye(right, y));
+            of_row(tile.y).min(of_row(bottom))
+        } else {
+            1.0
+        };
         TileLens {
             center: PixelLens { widest, ..center },
+            narrowest,
             at: at.map(|at| at as f32),
             focus: [low, high],
             focus_slope: self.focus_slope(),
@@ -91,6 +110,8 @@ pub(crate) struct TileLens {
     /// By how much the defocus differs at most from that at the centre, in pixels.
     pub(crate) spread: f32,
     pub(crate) stretch: f32,
+    /// Half the width of what is open of the lens where that is least, for a radius of 1.
+    narrowest: f32,
 }
 
 impl TileLens {
@@ -104,9 +125,9 @@ impl TileLens {
         (self.center.widest * self.defocus(range)).min(max_radius * self.stretch) + 1.5
     }
 
-    /// The least blur radius that a range of inverse depth has, in pixels.
+    /// The least blur radius that a range of inverse depth has, in pixels; of a cat's eye half its width.
     pub(crate) fn least_radius(&self, [far, near]: Range) -> f32 {
-        self.center.scale * (far - self.focus[1]).max(self.focus[0] - near).max(0.0)
+        self.narrowest * self.center.scale * (far - self.focus[1]).max(self.focus[0] - near).max(0.0)
     }
 
     /// The largest one.

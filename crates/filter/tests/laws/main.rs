@@ -4,6 +4,7 @@ mod always;
 mod anamorphic;
 mod answers;
 mod bands;
+mod cat_eye;
 mod energy;
 mod fuzz;
 mod highlights;

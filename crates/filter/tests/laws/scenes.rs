@@ -69,6 +69,7 @@ pub(crate) fn lenses() -> Vec<Camera> {
         camera(DVec3::new(0.2, -0.4, 0.4), tilted, 0.15, ApertureShape::Disc),
         camera(DVec3::new(-2.0, 1.0, -0.1), tilted, 0.08, pentagon),
         Camera { iris: anamorphic.iris.squeezed(0.3).unwrap(), ..anamorphic },
+        camera(DVec3::new(0.1, -0.3, 0.3), tilted, 0.2, ApertureShape::Disc).with_cat_eye(0.9).unwrap(),
     ]
 }
 
