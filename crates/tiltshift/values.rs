@@ -93,3 +93,14 @@ pub(crate) fn stops(text: &str) -> anyhow::Result<f32> {
     let stops = finite(text)?;
     if stops.abs() <= 100.0 { Ok(stops as f32) } else { bail!("it must be between -100 and 100") }
 }
+
+/// A size of memory: a number, alone for bytes or with KiB, MiB, GiB or TiB.
+pub(crate) fn bytes(text: &str) -> anyhow::Result<u64> {
+    const UNITS: [(&str, u32); 4] = [("KiB", 10), ("MiB", 20), ("GiB", 30), ("TiB", 40)];
+    let unit = UNITS.into_iter().find_map(|(unit, power)| Some((text.strip_suffix(unit)?, power)));
+    let (number, power) = unit.unwrap_or((text, 0));
+    match number.trim().parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok((number * 2f64.powi(power as i32)) as u64),
+        _ => bail!("{text:?} is no size of memory; write bytes, or a number with KiB, MiB or GiB"),
+    }
+}

@@ -18,6 +18,7 @@
 //! first, so that lamps out of focus become bright discs.
 
 mod apply;
+mod bands;
 mod cat_eye;
 mod cells;
 mod color_pyramid;
@@ -56,6 +57,7 @@ mod view;
 mod view_lens;
 
 pub use apply::{Filtered, Method, apply, coc_radius_px, reach_px};
+pub use bands::apply_in_bands;
 pub use error::FilterError;
 pub use highlights::Highlights;
 pub use lens_map::KernelRule;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use ::filter::{
-    FrameView, GatherSettings, Highlights, KernelRule, LensRaysSettings, Method, Sides, apply, coc_radius_px,
+    FrameView, GatherSettings, Highlights, KernelRule, LensRaysSettings, Method, Sides, apply_in_bands, coc_radius_px,
 };
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
@@ -15,7 +15,7 @@ use crate::failure::Outcome;
 use crate::files::{Packing, expect_exr, make_folder_of, notes, refuse_overwriting, write_options};
 use crate::lens_options::{Chosen, FilmOptions, LensOptions};
 use crate::read_arguments::ReadArguments;
-use crate::values::{Pixel, stops};
+use crate::values::{Pixel, bytes, stops};
 
 /// Put a tilt-shift lens onto an RGB-D picture.
 ///
@@ -90,6 +90,10 @@ pub(crate) struct MethodOptions {
     /// What is blurred (methods gather and merged).
     #[arg(long, value_enum, default_value_t)]
     blur: Blur,
+    /// Memory that filtering may take beside the picture itself, in bytes or with KiB, MiB, GiB: a larger picture goes
+    /// through in bands, to the same bits.
+    #[arg(long, value_name = "SIZE", value_parser = bytes, default_value = "4GiB")]
+    memory_limit: u64,
 }
 
 /// How much light clipped highlights get back.
@@ -224,7 +228,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
     }
     let started = std::time::Instant::now();
     let bar = Bar::new(format!("filter ({})", method.name()));
-    let filtered = apply(&FrameView::whole(&frame), &camera, &method, display, &bar)?;
+    let limit = options.method.memory_limit;
+    let filtered = apply_in_bands(&FrameView::whole(&frame), &camera, &method, display, limit, &bar)?;
     drop(bar);
     let seconds = started.elapsed().as_secs_f64();
     say(format_args!(
