@@ -35,17 +35,16 @@ fn from_outline(x: i32, y: i32) -> f32 {
     if dx <= 0 && dy <= 0 { -dx.max(dy) as f32 } else { (dx.max(0) as f32).hypot(dy.max(0) as f32) }
 }
 
-/// How far from the outline hidden light may fall: as far as a lens point sees past it, and the footprint from there.
+/// How far from the outline hidden light may fall: as far as a lens point sees past it, and the footprint of the wall from
+/// there; or the footprint of the card's outline, whose pixels are taken apart. What is behind the wall is never seen.
 fn allowed(camera: &Camera) -> f32 {
-    // The pixel on the outline is taken apart; one more is filled; ramps are a pixel wide, in squares of a fifth of the radius
-    const SLACK: f32 = 4.0;
+    // The pixel on the outline is taken apart, and one more is filled
+    const SLACK: f32 = 2.0;
     let px = (camera.iris.radius() * camera.film.pixels_per_q().max_element()) as f32;
-    let hidden = [WALL_DEPTH, BEHIND_THE_WALL];
-    let seen = hidden.map(|z| px * (1.0 / CARD_DEPTH - 1.0 / z)).into_iter().fold(0.0, f32::max);
+    let seen = px * (1.0 / CARD_DEPTH - 1.0 / WALL_DEPTH);
     let [low, high] = camera.focus.inverse_depth_range(&camera.film).map(|w| w as f32);
     let radius = |z: f32| px * (1.0 / z - low).abs().max((1.0 / z - high).abs());
-    let footprint = [CARD_DEPTH, WALL_DEPTH, BEHIND_THE_WALL].map(radius).into_iter().fold(0.0, f32::max);
-    seen + 1.2 * footprint + SLACK
+    (seen + radius(WALL_DEPTH)).max(radius(CARD_DEPTH)) + SLACK
 }
 
 #[test]
