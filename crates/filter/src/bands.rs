@@ -54,7 +54,8 @@ pub fn apply_in_bands(
         let planes = planes(&filtered);
         match &mut joined {
             None => {
-                joined = Some((filtered.clone(), planes.into_iter().map(|plane| plane.values().to_vec()).collect()))
+                let values = planes.into_iter().map(|plane| plane.values().to_vec()).collect();
+                joined = Some((filtered, values));
             }
             Some((whole, values)) => {
                 values.iter_mut().zip(planes).for_each(|(all, plane)| all.extend_from_slice(plane.values()));
