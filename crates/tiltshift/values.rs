@@ -104,3 +104,20 @@ pub(crate) fn bytes(text: &str) -> anyhow::Result<u64> {
         _ => bail!("{text:?} is no size of memory; write bytes, or a number with KiB, MiB or GiB"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_of_memory_are_bytes_or_have_a_unit() {
+        for (text, wanted) in
+            [("512", 512), ("1.5KiB", 1536), ("64 MiB", 64 << 20), ("4GiB", 4 << 30), ("1TiB", 1 << 40)]
+        {
+            assert_eq!(bytes(text).unwrap(), wanted, "{text}");
+        }
+        for text in ["", "GiB", "0", "-1GiB", "4GB", "nanMiB", "infKiB"] {
+            assert!(bytes(text).is_err(), "{text}");
+        }
+    }
+}
