@@ -75,7 +75,6 @@ impl Method {
                     layers,
                     sides,
                     predict_error,
-                    ..GatherSettings::default()
                 })
             }
         }
