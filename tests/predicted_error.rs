@@ -2,7 +2,7 @@
 //!
 //! No shot here was used to fit the map's constants (`crates/filter/src/predicted.rs` says which were). The figures of
 //! `simple/swing_shift` and `simple/tilt_shift` were in sight when its features were chosen; those of `simple/shift`,
-//! `landscape/shift` and `landscape/tilt_shift` were looked at only when all was settled. The shots of
+//! `landscape/shift` and `landscape/tilt_shift` changed no constant any more, but one step of the map. The shots of
 //! `simple` share its scene with some that were, those of `landscape` likewise. The true error is the root of
 //! (F - A)(F - B), mean over R, G and B and 3x3 pixels, where A and B are two independent halves of the truth: their noise
 //! drops out. Where `TILTSHIFT_SHARED` names the folder of reference pictures, some of these are looked at too; they have

@@ -8,11 +8,11 @@ use rgbd::{Picture, PixelWindow, Plane, Progress};
 use crate::{
     FilterError, FrameView, GatherSettings, KernelRule, LensRaysSettings,
     gather::{GatherRun, Gathered, gather},
-    kernel::Oval,
     lattice::SIDES_PER_RADIUS,
     lens_map::PixelLens,
     lens_points::MAX_SAMPLES,
     lens_rays::{RayRun, lens_rays},
+    oval::Oval,
     own_coc::own_coc,
     predicted::{PredictedError, predicted_error},
     surface::{HOLE_REACH, NEAREST, pixel_q},

@@ -12,7 +12,8 @@ use glam::DVec2;
 use optics::Camera;
 
 use crate::{
-    kernel::{Kernel, KernelTable, Outline},
+    kernel::{Kernel, KernelTable},
+    outline::Outline,
     row::{BlockTap, Footprint, LANES, Lanes, Shaped, Shared},
 };
 

@@ -219,15 +219,13 @@ impl Prepared {
         Piece {
             x: x as f32,
             y: y as f32,
-            size: 1.0,
             inverse_depth: s,
             range: [s; 2],
             slope: first.slope(i, (x - first.window.x) as usize),
             cover: first.cover[i],
             rgba: first.rgba[i],
             doubt: first.doubt[i],
-            is_first: true,
-            parts: (0, 0),
+            ..NOTHING
         }
     }
 
@@ -237,7 +235,6 @@ impl Prepared {
         Piece {
             x: x as f32,
             y: y as f32,
-            size: 1.0,
             inverse_depth: s,
             range: [s; 2],
             slope: fragment.slope,
@@ -245,7 +242,7 @@ impl Prepared {
             rgba: fragment.rgba,
             doubt: fragment.doubt,
             is_first: false,
-            parts: (0, 0),
+            ..NOTHING
         }
     }
 }

@@ -17,12 +17,12 @@
 //! thing hides. So the share and the centroid of the lens points that nearer slabs fill are kept, read as a half plane of
 //! the lens, and what is seen through it does not count.
 //!
-//! Where no edge is in sight ([`InSight`]) nothing hides anything: the first surface is one slab, and there is no
-//! other.
+//! Where no edge is in sight ([`InSight`](crate::cells::InSight)) nothing hides anything: the first surface is one slab, and
+//! there is no other.
 //!
 //! **Rung 3** is the same with neighbours merged into squares whose side grows with the blur ([`Forest`]); where no edge is
-//! in sight it is a plain sum ([`Lattice`]); and where all that touches a tile is blurred enough, only the centres of cells receive, and the pixels between them are interpolated
-//! ([`upsample`](crate::upsample)). Merged squares alone cost five times what the three together do at 720p and 20 px
+//! in sight it is a plain sum ([`Lattice`]); and where all that touches a tile is blurred enough, only the centres of cells
+//! receive, and the pixels between them are interpolated ([`upsample`](crate::upsample)). Merged squares alone cost five times what the three together do at 720p and 20 px
 //! (`benches/results/2026-11-25.md`).
 
 use fearless_simd::{Level, dispatch, prelude::*};

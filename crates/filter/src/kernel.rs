@@ -19,6 +19,8 @@
 use optics::{ApertureShape, Camera};
 use rayon::prelude::*;
 
+use crate::{outline::Outline, oval::Oval};
+
 /// Entries per pixel of radius.
 const STEPS: f32 = 32.0;
 /// Ovals to draw per pixel of radius.
@@ -37,7 +39,7 @@ pub(crate) struct Kernel {
 impl Kernel {
     /// The kernel that ends at `edge`, where the next pixel is at least `step` away; both in iris coordinates.
     #[inline(always)]
-    fn of_edge(outline: &Outline, edge: f32, step: f32, weight: f32) -> Self {
+    pub(crate) fn of_edge(outline: &Outline, edge: f32, step: f32, weight: f32) -> Self {
         match outline {
             // The ramp from e^2 - e to e^2 + e is one pixel wide; a disc smaller than half a pixel keeps to its pixel
             Outline::Disc => {
@@ -61,121 +63,6 @@ impl Kernel {
     #[inline(always)]
     pub(crate) fn at(&self, metric: f32) -> f32 {
         (self.a - self.b * metric).max(0.0).min(self.weight)
-    }
-}
-
-/// The outline of an iris in the plane.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Outline {
-    Disc,
-    /// Unit normals of the sides, and their distance from the centre for a circumradius of 1.
-    Polygon {
-        normals: Vec<[f32; 2]>,
-        apothem: f32,
-    },
-}
-
-impl Outline {
-    pub(crate) fn new(shape: ApertureShape) -> Self {
-        match shape {
-            ApertureShape::Disc => Self::Disc,
-            ApertureShape::Polygon { blades, rotation } => {
-                let wedge = std::f64::consts::TAU / f64::from(blades);
-                let normal = |k: u32| {
-                    let (sin, cos) = (rotation + wedge * (f64::from(k) + 0.5)).sin_cos();
-                    [cos as f32, sin as f32]
-                };
-                Self::Polygon { normals: (0..blades).map(normal).collect(), apothem: (0.5 * wedge).cos() as f32 }
-            }
-        }
-    }
-
-    /// The metric m of an offset.
-    #[inline(always)]
-    pub(crate) fn metric(&self, x: f32, y: f32) -> f32 {
-        match self {
-            Self::Disc => x * x + y * y,
-            Self::Polygon { normals, .. } => {
-                normals.iter().map(|n| n[0] * x + n[1] * y).fold(f32::NEG_INFINITY, f32::max)
-            }
-        }
-    }
-
-    /// The metric of an offset that is scaled by 1 / `size`, over that of the offset itself.
-    pub(crate) fn metric_scale(&self, size: f32) -> f32 {
-        match self {
-            Self::Disc => 1.0 / (size * size),
-            Self::Polygon { .. } => 1.0 / size,
-        }
-    }
-
-    /// Start and slope of the ramp of a kernel that is 1 inside and ends at `edge` pixels, neither small ones nor ovals being
-    /// drawn sharper than a pixel.
-    #[inline(always)]
-    pub(crate) fn ramp(&self, edge: f32) -> [f32; 2] {
-        let kernel = Kernel::of_edge(self, edge, 1.0, 1.0);
-        [kernel.a, kernel.b]
-    }
-
-    /// The edge of a kernel.
-    pub(crate) fn edge(&self, kernel: &Kernel) -> f32 {
-        let metric = ((kernel.a - 0.5 * kernel.weight) / kernel.b).max(0.0);
-        match self {
-            Self::Disc => metric.sqrt(),
-            Self::Polygon { apothem, .. } => metric / apothem,
-        }
-    }
-
-    /// Change of the metric at an edge with the edge.
-    #[inline(always)]
-    pub(crate) fn metric_change(&self, edge: f32) -> f32 {
-        match self {
-            Self::Disc => 2.0 * edge,
-            Self::Polygon { apothem, .. } => *apothem,
-        }
-    }
-
-    /// The weight of the pixel at (x, y), the mirrored outline blended in.
-    #[inline(always)]
-    pub(crate) fn weight(&self, x: f32, y: f32, kernel: &Kernel, mirror: f32) -> f32 {
-        let weight = kernel.at(self.metric(x, y));
-        if mirror == 0.0 || matches!(self, Self::Disc) {
-            return weight;
-        }
-        weight + mirror * (kernel.at(self.metric(-x, -y)) - weight)
-    }
-}
-
-/// The footprint of an upright iris in pixels: half its height over the radius of the disc that is as large. Half its width
-/// is the inverse of that.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Oval(f32);
-
-impl Oval {
-    /// The oval of a camera's iris, squeezed or not, in its pixels, square or not.
-    pub(crate) fn of(camera: &Camera) -> Self {
-        let half_sizes = camera.iris.proportions() * camera.film.pixels_per_q();
-        Self((half_sizes.y / half_sizes.x).sqrt() as f32)
-    }
-
-    /// Whether a disc will do.
-    pub(crate) fn is_round(self) -> bool {
-        (self.0 - 1.0).abs() < 5e-4
-    }
-
-    /// Its longer half axis over the radius; at least 1.
-    pub(crate) fn longer(self) -> f32 {
-        self.0.max(1.0 / self.0)
-    }
-
-    /// As high as this one is high, or as wide as it is wide, but with the longer half axis given.
-    fn with_longer(self, longer: f32) -> Self {
-        Self(if self.0 > 1.0 { longer } else { 1.0 / longer })
-    }
-
-    /// Variances along x and y of a pixel in it, where that of a disc's would be `variance`.
-    fn variances(self, variance: f64) -> [f64; 2] {
-        [self.0.recip(), self.0].map(|half| variance * f64::from(half * half))
     }
 }
 

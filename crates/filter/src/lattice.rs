@@ -12,7 +12,8 @@ use rgbd::{PixelWindow, Plane};
 use crate::{
     cells::{BLOCK, Cells, EMPTY, InSight, Range, blocks_of, joined},
     color_pyramid::ColorLevel,
-    kernel::{KernelTable, Outline},
+    kernel::KernelTable,
+    outline::Outline,
     surface::{Surface, Tame},
     view_lens::{TileLens, ViewLens},
 };

@@ -3,10 +3,11 @@
 use fearless_simd::prelude::*;
 
 use crate::{
-    kernel::{Outline, mirrored_share},
+    kernel::mirrored_share,
     lattice::{Lattice, Plan, STEPS},
     lattice_sum::{CHANNELS, Offset, Offsets, Row, SPAN, Span, sum},
     lens_map::PixelLens,
+    outline::Outline,
     row::LANES,
     surface::finite,
     upsample::{MARGIN, upsample},

@@ -38,6 +38,8 @@ mod lens_map;
 mod lens_points;
 mod lens_ray;
 mod lens_rays;
+mod outline;
+mod oval;
 mod own_coc;
 mod patch;
 #[cfg(test)]

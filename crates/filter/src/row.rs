@@ -8,8 +8,9 @@ use fearless_simd::{f32x8, prelude::*};
 
 use crate::{
     cat_eye::Eye,
-    kernel::{Kernel, KernelTable, Outline},
+    kernel::{Kernel, KernelTable},
     lens_map::PixelLens,
+    outline::Outline,
     tap::Weight,
 };
 

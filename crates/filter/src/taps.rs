@@ -190,8 +190,7 @@ impl Gather<'_> {
     }
 
     /// Finds the taps that may touch a block, given by its centre, its pixels' largest offsets from there, and how far the
-    /// defocus differs from that at the centre; one slab of the first
-    /// surface alone if they are plain.
+    /// defocus differs from that at the centre. If the block is plain they are one slab, of the first surface alone.
     #[inline(always)]
     fn find<S: Simd>(
         &self,
