@@ -260,7 +260,8 @@ fn impossible_requests_end_with_code_2_and_one_line() {
 #[test]
 fn help_names_the_unit_of_every_option() {
     let help = words("--help");
-    let units = ["mm", "metres", "degrees", "pixels", "f-number", "aperture blades", "times as tall as wide"];
+    let units =
+        ["mm", "metres", "degrees", "pixels", "f-number", "aperture blades", "aperture radii", "times as tall as wide"];
     // An option is a line that begins with a dash and what follows it; a switch takes no value and has no unit
     let options = help.split("\n      --").chain(help.split("\n  -N, --")).skip(1);
     let mut number_of_options = 0;

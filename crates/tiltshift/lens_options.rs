@@ -61,7 +61,7 @@ pub(crate) struct LensOptions {
     #[arg(long, value_name = "RATIO")]
     pub(crate) anamorphic: Option<f64>,
     /// Cat's eye (optical vignetting): towards the corners a second rim covers a part of the iris, there moved by STRENGTH
-    /// (0 to 1) radii towards the centre. The exposure is kept: nothing gets darker.
+    /// aperture radii (0 to 1) towards the centre. The exposure is kept: nothing gets darker.
     #[arg(long, visible_alias = "catseye", value_name = "STRENGTH")]
     pub(crate) cat_eye: Option<f64>,
 

@@ -87,7 +87,7 @@ pub(crate) struct MethodOptions {
     /// Blur this many times as much as the lens would, by a wider or narrower iris.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     blur_scale: f64,
-    /// What is blurred (methods gather and merged).
+    /// What is blurred (methods gather, merged and lens-rays).
     #[arg(long, value_enum, default_value_t)]
     blur: Blur,
     /// Memory that filtering may take beside the picture itself, in bytes or with KiB, MiB, GiB: a larger picture goes
