@@ -30,13 +30,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (builder, triangles) = read(Path::new(path))?;
     let start = Instant::now();
     let scene = builder.build()?;
-    println!("{triangles} triangles, built in {:.3} s wall", start.elapsed().as_secs_f64());
+    let bytes = scene.bytes() as f64 / triangles as f64;
+    println!("{triangles} triangles, built in {:.3} s wall, {bytes:.1} bytes each", start.elapsed().as_secs_f64());
     let camera = camera()?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut best = f64::INFINITY;
     for _ in 0..3 {
-        let (truth, seconds) =
-            pool.install(|| timed(|| trace::truth(&scene, &camera, WINDOW, spp, 1, &Silent)));
+        let (truth, seconds) = pool.install(|| timed(|| trace::truth(&scene, &camera, WINDOW, spp, 1, &Silent)));
         best = best.min(seconds);
         let rate = WINDOW.area() as f64 * f64::from(spp) / seconds * 1e-6;
         let noise = truth?.noise_rmse(WINDOW);

@@ -33,11 +33,13 @@ mod geometry;
 mod layers;
 mod light;
 mod material;
+mod packet;
 mod pixels;
 mod ray;
 mod render;
 mod sampler;
 mod scene;
+mod shade;
 mod shape;
 mod triangle;
 

@@ -3,13 +3,17 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use fearless_simd::{dispatch, prelude::*};
 use glam::{DVec2, Vec3};
 use optics::Camera;
 use rayon::prelude::*;
 use rgbd::{Cancelled, PixelWindow, Progress, Truth};
 
 use crate::accumulation::{Accumulation, Sum};
-use crate::sampler::{MAX_SAMPLES, Sample, Sampler};
+use crate::packet::{Packet, RAYS};
+use crate::sampler::{MAX_SAMPLES, Sampler};
+use crate::shade::Shader;
+use crate::triangle::Axes;
 use crate::{Pixels, Ray, RenderError, Scene};
 
 /// Pixels that one thread takes at a time.
@@ -41,15 +45,16 @@ pub fn render(
         if progress.is_cancelled() {
             return Err(Cancelled);
         }
-        for (i, sums) in sums.iter_mut().enumerate() {
-            let (x, y) = place(window, chunk * CHUNK + i);
-            if pixels.contains(x, y) {
-                for (half, sum) in sums.iter_mut().enumerate() {
-                    let sampler = Sampler::new(seed, x, y, half);
-                    samples.clone().for_each(|index| sum.add(see(scene, camera, x, y, sampler.sample(index))));
+        dispatch!(scene.geometry.level(), simd => {
+            let mut gather = Gather::new(scene, sums);
+            for i in 0..gather.sums.len() {
+                let (x, y) = place(window, chunk * CHUNK + i);
+                if pixels.contains(x, y) {
+                    gather.pixel(simd, camera, (x, y), i, samples.clone(), seed);
                 }
             }
-        }
+            gather.finish(simd);
+        });
         progress.report(done.fetch_add(1, Ordering::Relaxed) + 1, total);
         Ok(())
     })?;
@@ -62,14 +67,82 @@ fn place(window: PixelWindow, index: usize) -> (i32, i32) {
     (window.x.saturating_add_unsigned((index % width) as u32), window.y.saturating_add_unsigned((index / width) as u32))
 }
 
-/// What one sample of a pixel sees; black where the lens blocks it.
-#[inline]
-fn see(scene: &Scene, camera: &Camera, x: i32, y: i32, sample: Sample) -> Vec3 {
-    let pixel = DVec2::new(f64::from(x), f64::from(y)) + sample.pixel;
-    let q = camera.film.q_from_pixel(pixel);
-    match camera.world_ray(q, sample.lens, 0.0) {
-        Some(ray) => scene.radiance(&Ray::new(ray.origin, ray.direction)) * ray.weight as f32,
-        None => Vec3::ZERO,
+/// Collects the rays of a chunk of pixels in packets, one for each class of axes, and counts what they see.
+///
+/// What a ray sees does not depend on its company, and sums are exact: how rays come together is never seen.
+struct Gather<'a> {
+    shader: Shader<'a>,
+    sums: &'a mut [[Sum; 2]],
+    packets: Vec<Packet>,
+    /// The pixel and half of each ray, and its weight.
+    owners: Vec<[(u32, f32); RAYS]>,
+}
+
+impl<'a> Gather<'a> {
+    fn new(scene: &'a Scene, sums: &'a mut [[Sum; 2]]) -> Self {
+        let packets = (0..Axes::CLASSES).map(Packet::new).collect();
+        Self { shader: Shader::new(scene), sums, packets, owners: vec![[(0, 0.0); RAYS]; Axes::CLASSES] }
+    }
+
+    /// Adds the samples of pixel (x, y), the `index`-th of the chunk.
+    #[inline(always)]
+    fn pixel<S: Simd>(
+        &mut self,
+        simd: S,
+        camera: &Camera,
+        (x, y): (i32, i32),
+        index: usize,
+        samples: Range<u32>,
+        seed: u64,
+    ) {
+        let corner = DVec2::new(f64::from(x), f64::from(y));
+        for half in 0..2 {
+            let sampler = Sampler::new(seed, x, y, half);
+            for sample in samples.clone() {
+                let sample = sampler.sample(sample);
+                let q = camera.film.q_from_pixel(corner + sample.pixel);
+                match camera.world_ray(q, sample.lens, 0.0) {
+                    Some(ray) => {
+                        let owner = ((2 * index + half) as u32, ray.weight as f32);
+                        self.ray(simd, &Ray::new(ray.origin, ray.direction), owner);
+                    }
+                    None => self.sums[index][half].add(Vec3::ZERO),
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn ray<S: Simd>(&mut self, simd: S, ray: &Ray, owner: (u32, f32)) {
+        let class = Axes::class_of(ray.direction);
+        let lane = self.packets[class].push(ray);
+        self.owners[class][lane] = owner;
+        if lane == RAYS - 1 {
+            self.trace(simd, class);
+        }
+    }
+
+    /// Traces what is left.
+    #[inline(always)]
+    fn finish<S: Simd>(&mut self, simd: S) {
+        for class in 0..Axes::CLASSES {
+            if self.packets[class].count() > 0 {
+                self.trace(simd, class);
+            }
+        }
+    }
+
+    fn trace<S: Simd>(&mut self, simd: S, class: usize) {
+        let packet = &mut self.packets[class];
+        let shader = &mut self.shader;
+        let radiance = simd.vectorize(
+            #[inline(always)]
+            || shader.radiance(simd, packet),
+        );
+        for (radiance, &(owner, weight)) in radiance.iter().zip(&self.owners[class][..packet.count()]) {
+            self.sums[owner as usize / 2][owner as usize % 2].add(radiance * weight);
+        }
+        packet.clear(class);
     }
 }
 
