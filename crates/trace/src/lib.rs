@@ -31,6 +31,9 @@ mod error;
 mod file;
 mod geometry;
 mod layers;
+mod lens;
+#[cfg(test)]
+mod levels;
 mod light;
 mod material;
 mod packet;

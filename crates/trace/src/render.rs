@@ -10,8 +10,9 @@ use rayon::prelude::*;
 use rgbd::{Cancelled, PixelWindow, Progress, Truth};
 
 use crate::accumulation::{Accumulation, Sum};
+use crate::lens::Lens;
 use crate::packet::{Packet, RAYS};
-use crate::sampler::{MAX_SAMPLES, Sampler};
+use crate::sampler::{MAX_SAMPLES, Sampler, eight_samples};
 use crate::shade::Shader;
 use crate::triangle::Axes;
 use crate::{Pixels, Ray, RenderError, Scene};
@@ -41,6 +42,7 @@ pub fn render(
     let mut halves = vec![[Sum::default(); 2]; window.area()];
     let total = halves.len().div_ceil(CHUNK) as u64;
     let done = AtomicU64::new(0);
+    let lens = Lens::new(camera);
     halves.par_chunks_mut(CHUNK).enumerate().try_for_each(|(chunk, sums)| {
         if progress.is_cancelled() {
             return Err(Cancelled);
@@ -50,7 +52,7 @@ pub fn render(
             for i in 0..gather.sums.len() {
                 let (x, y) = place(window, chunk * CHUNK + i);
                 if pixels.contains(x, y) {
-                    gather.pixel(simd, camera, (x, y), i, samples.clone(), seed);
+                    gather.pixel(simd, &lens, (x, y), i, samples.clone(), seed);
                 }
             }
             gather.finish(simd);
@@ -89,15 +91,52 @@ impl<'a> Gather<'a> {
     fn pixel<S: Simd>(
         &mut self,
         simd: S,
-        camera: &Camera,
+        lens: &Lens,
         (x, y): (i32, i32),
         index: usize,
         samples: Range<u32>,
         seed: u64,
     ) {
         let corner = DVec2::new(f64::from(x), f64::from(y));
-        for half in 0..2 {
-            let sampler = Sampler::new(seed, x, y, half);
+        let samplers = [0, 1].map(|half| Sampler::new(seed, x, y, half));
+        let Some(pixel) = lens.pixel(corner) else {
+            return self.edge(simd, lens.camera(), corner, index, &samplers, samples);
+        };
+        // Take eight at a time, those of the second half after those of the first
+        let count = samples.len();
+        for first in (0..2 * count).step_by(8) {
+            let (mut of_lane, mut indices) = ([samplers[0]; 8], [samples.start; 8]);
+            let end = (first + 8).min(2 * count);
+            for (lane, i) in (first..end).enumerate() {
+                let half = usize::from(i >= count);
+                of_lane[lane] = samplers[half];
+                indices[lane] = samples.start + (i - half * count) as u32;
+            }
+            let rays = lens.rays(simd, &pixel, eight_samples(simd, &of_lane, &indices));
+            for (lane, i) in (first..end).enumerate() {
+                let [ox, oy, oz] = &rays.origin;
+                let [dx, dy, dz] = &rays.direction;
+                let origin = Vec3::new(ox[lane], oy[lane], oz[lane]);
+                let direction = Vec3::new(dx[lane], dy[lane], dz[lane]);
+                let owner = (2 * index + usize::from(i >= count)) as u32;
+                self.ray(simd, &Ray { origin, direction }, (owner, 1.0));
+            }
+        }
+    }
+
+    /// Adds the samples of a pixel some of which the lens may block: those see black.
+    #[cold]
+    #[inline(never)]
+    fn edge<S: Simd>(
+        &mut self,
+        simd: S,
+        camera: &Camera,
+        corner: DVec2,
+        index: usize,
+        samplers: &[Sampler; 2],
+        samples: Range<u32>,
+    ) {
+        for (half, sampler) in samplers.iter().enumerate() {
             for sample in samples.clone() {
                 let sample = sampler.sample(sample);
                 let q = camera.film.q_from_pixel(corner + sample.pixel);
