@@ -222,3 +222,40 @@ pub fn truth_to_noise(
         end = next;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DVec3};
+    use optics::{ApertureShape, Film, Focus, Iris, Pose};
+
+    use super::*;
+    use crate::{Light, Material, SceneBuilder, Shape, levels};
+
+    #[test]
+    fn the_picture_is_the_same_at_every_level() {
+        let mut builder = SceneBuilder::new();
+        let grey = builder.material(Material::matte(Vec3::new(0.7, 0.6, 0.5)));
+        builder.shape(Shape::Plane, DAffine3::IDENTITY, grey).unwrap();
+        let corners = [DVec3::new(-1.0, 0.0, 0.0), DVec3::new(1.0, 0.0, 0.3), DVec3::new(0.0, 1.5, 0.2)];
+        builder.mesh(&corners, &[[0, 1, 2]], |_| grey, DAffine3::IDENTITY).unwrap();
+        builder.light(Light::sun(DVec3::new(1.0, 2.0, 0.5), Vec3::ONE).unwrap());
+        let mut scene = builder.build().unwrap();
+        let window = PixelWindow::of_size(40, 30);
+        for shape in [ApertureShape::Disc, ApertureShape::polygon(6, 0.1).unwrap()] {
+            let camera = Camera {
+                pose: Pose::look_at(DVec3::new(0.0, 2.0, 4.0), 0.5 * DVec3::Y, DVec3::Y).unwrap(),
+                film: Film::from_fov(0.8, 40, 30).unwrap(),
+                focus: Focus::new(DVec3::new(0.05, -0.1, 0.2)).unwrap(),
+                iris: Iris::new(DVec3::new(0.1, -0.3, 1.0), 0.3, shape).unwrap(),
+            };
+            let pictures = levels::all().into_iter().map(|level| {
+                scene.geometry.set_level(level);
+                (level, truth(&scene, &camera, window, 10, 1, &rgbd::Silent).unwrap())
+            });
+            let pictures: Vec<_> = pictures.collect();
+            for (level, picture) in &pictures {
+                assert!(*picture == pictures[0].1, "{level:?} is not {:?}", pictures[0].0);
+            }
+        }
+    }
+}

@@ -118,3 +118,64 @@ impl<'a> Shader<'a> {
         radiance
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use glam::{DAffine3, Vec3Swizzles};
+
+    use super::*;
+    use crate::{Light, Material, Pigment, Ray, SceneBuilder, Shape, levels};
+
+    /// Shapes and triangles under two suns.
+    fn scene() -> Scene {
+        let mut builder = SceneBuilder::new();
+        let tiles = Pigment::Checker { colors: [Vec3::splat(0.8), Vec3::X], side: 0.3, axes: [0, 2] };
+        let floor = builder.material(Material { pigment: tiles, emission: Vec3::splat(0.1) });
+        let red = builder.material(Material::matte(Vec3::new(0.8, 0.1, 0.2)));
+        builder.shape(Shape::Plane, DAffine3::IDENTITY, floor).unwrap();
+        builder.shape(Shape::Sphere, DAffine3::from_translation(DVec3::Y), red).unwrap();
+        let corners: Vec<_> = (0..300_u32)
+            .map(|i| {
+                let f = |k: u32| f64::from(i.wrapping_mul(k) % 997) / 997.0;
+                DVec3::new(8.0 * f(271) - 4.0, 3.0 * f(577), 8.0 * f(733) - 4.0)
+            })
+            .collect();
+        let triangles: Vec<_> = (0..298).map(|i| [i, i + 1, i + 2]).collect();
+        builder.mesh(&corners, &triangles, |i| if i % 2 == 0 { red } else { floor }, DAffine3::IDENTITY).unwrap();
+        builder.light(Light::Ambient { strength: Vec3::splat(0.2) });
+        builder.light(Light::sun(DVec3::new(1.0, 2.0, 0.5), Vec3::new(0.5, 0.4, 0.3)).unwrap());
+        builder.light(Light::sun(DVec3::new(-3.0, 1.0, 1.5), Vec3::new(0.1, 0.4, 0.3)).unwrap());
+        builder.sky(Vec3::new(0.5, 0.6, 0.9));
+        builder.build().unwrap()
+    }
+
+    #[test]
+    fn a_packet_sees_what_its_rays_see_at_every_level() {
+        let scene = scene();
+        let mut shader = Shader::new(&scene);
+        let mut seen = 0;
+        for level in levels::all() {
+            for row in 0..40 {
+                let mut packets: Vec<_> = (0..Axes::CLASSES).map(Packet::new).collect();
+                for i in 0..RAYS {
+                    let place = Vec3::new(i as f32 / 32.0 - 1.0, row as f32 / 20.0 - 1.0, 0.0);
+                    let lens = 0.2 * (place * 37.0).sin();
+                    let ray = Ray {
+                        origin: Vec3::new(0.0, 3.0, 7.0) + lens.yxz(),
+                        direction: place - Vec3::new(0.0, 0.4, 1.2),
+                    };
+                    packets[Axes::class_of(ray.direction)].push(&ray);
+                }
+                for packet in packets.iter_mut().filter(|packet| packet.count() > 0) {
+                    let radiance = dispatch!(level, simd => shader.radiance(simd, packet));
+                    for (lane, &radiance) in radiance[..packet.count()].iter().enumerate() {
+                        assert_eq!(radiance, scene.radiance(&packet.ray(lane)), "{level:?}, {:?}", packet.ray(lane));
+                        seen += usize::from(radiance != scene.sky());
+                    }
+                }
+            }
+        }
+        assert!(seen > 5000, "{seen}: the test would say little");
+    }
+}

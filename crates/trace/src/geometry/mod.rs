@@ -160,6 +160,12 @@ impl Geometry {
         self.packs[primitive as usize / LANES].triangle(primitive as usize % LANES)
     }
 
+    /// Uses other vector instructions.
+    #[cfg(test)]
+    pub(crate) fn set_level(&mut self, level: Level) {
+        self.level = level;
+    }
+
     /// The vector instructions that it uses.
     pub(crate) fn level(&self) -> Level {
         self.level
@@ -193,6 +199,9 @@ impl Geometry {
 }
 
 #[cfg(test)]
+mod packet_laws;
+
+#[cfg(test)]
 mod tests {
     use glam::{DAffine3, DQuat};
 
@@ -200,22 +209,22 @@ mod tests {
     use crate::Shape;
 
     /// A small deterministic generator (SplitMix64) of numbers in [-1, 1).
-    struct Numbers(u64);
+    pub(super) struct Numbers(pub(super) u64);
 
     impl Numbers {
-        fn next(&mut self) -> f64 {
+        pub(super) fn next(&mut self) -> f64 {
             self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
             let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
             let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
             ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         }
 
-        fn vector(&mut self) -> DVec3 {
+        pub(super) fn vector(&mut self) -> DVec3 {
             DVec3::new(self.next(), self.next(), self.next())
         }
     }
 
-    fn jumble(numbers: &mut Numbers) -> Geometry {
+    pub(super) fn jumble(numbers: &mut Numbers) -> Geometry {
         let triangles = (0..600)
             .map(|_| {
                 let centre = 4.0 * numbers.vector();
