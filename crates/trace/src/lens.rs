@@ -148,7 +148,7 @@ mod tests {
                 let (mut origin, mut direction) = ([[0.0_f32; 8]; 3], [[0.0_f32; 8]; 3]);
                 dispatch!(Level::new(), simd => {
                     let rays = lens.rays(simd, &pixel, numbers.map(|n| f32x8::load_array(simd, n)));
-                    (origin, direction) = (rays.origin.map(|o| o.to_array()), rays.direction.map(|d| d.to_array()));
+                    (origin, direction) = (rays.origin.map(SimdBase::to_array), rays.direction.map(SimdBase::to_array));
                 });
                 for i in 0..8 {
                     let [sx, sy, u, v] = numbers.map(|n| f64::from(n[i]));

@@ -85,7 +85,7 @@ fn scrambled<S: Simd>(mut n: u32x8<S>, scramble: u32x8<S>) -> u32x8<S> {
     n += scramble;
     n *= (scramble >> 16) | 1;
     n ^= n * 0x0552_6c56;
-    n ^ n * 0x53a2_2864
+    n ^ (n * 0x53a2_2864)
 }
 
 /// `sobol_burley::parts::hash` in lanes.
@@ -146,7 +146,7 @@ mod tests {
             for first in [0_u32, 1000, 65_528] {
                 let samplers = std::array::from_fn(|i| Sampler::new(3, 17, 1 << i, i % 2));
                 let indices = std::array::from_fn(|i| first + i as u32);
-                let lanes = dispatch!(level, simd => eight_samples(simd, &samplers, &indices).map(|n| n.to_array()));
+                let lanes = dispatch!(level, simd => eight_samples(simd, &samplers, &indices).map(SimdBase::to_array));
                 for i in 0..8 {
                     let Sample { pixel, lens } = samplers[i].sample(indices[i]);
                     let found = lanes.map(|n| f64::from(n[i]));

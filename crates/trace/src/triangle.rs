@@ -72,8 +72,8 @@ pub(crate) fn splat<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [x, y, z]:
 
 /// Where lanes meet: the ray's parameter, and the weights of the second and third corner.
 #[derive(Clone, Copy)]
-pub(crate) struct Meeting<F, M> {
-    pub(crate) is_met: M,
+pub(crate) struct Meeting<S: Simd, F: SimdBase<S>> {
+    pub(crate) is_met: F::Mask,
     pub(crate) t: F,
     pub(crate) v: F,
     pub(crate) w: F,
@@ -92,7 +92,7 @@ impl<F: Copy> Sheared<F> {
 
     /// Meets triangles, `corners[k][axis]` with the axes in the rays' order, from either side at t > 0. NaN is never met.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(&self, simd: S, corners: &[[F; 3]; 3]) -> Option<Meeting<F, F::Mask>>
+    pub(crate) fn meet<S: Simd>(&self, simd: S, corners: &[[F; 3]; 3]) -> Option<Meeting<S, F>>
     where
         F: SimdFloat<S, Element = f32>,
     {

@@ -55,12 +55,7 @@ impl Pack {
 
     /// Where one ray meets the four.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Sheared<f32>,
-        axes: Axes,
-    ) -> Option<Meeting<f32x4<S>, <f32x4<S> as SimdBase<S>>::Mask>> {
+    pub(super) fn meet<S: Simd>(&self, simd: S, ray: &Sheared<f32>, axes: Axes) -> Option<Meeting<S, f32x4<S>>> {
         let corners = [
             load(simd, &self.corners[0], axes),
             load(simd, &self.corners[1], axes),

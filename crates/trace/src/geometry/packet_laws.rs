@@ -88,7 +88,7 @@ fn a_packet_is_blocked_where_each_of_its_rays_is() {
                 let ray = packet.ray(lane);
                 match geometry.hit(&ray) {
                     Some(hit) if lane % 2 == 0 && hit.primitive & Geometry::SHAPE == 0 => {
-                        skip[lane] = hit.primitive as i32
+                        skip[lane] = hit.primitive as i32;
                     }
                     _ => {}
                 }
