@@ -1,7 +1,8 @@
 //! The camera's rays, eight samples at a time.
 //!
 //! The same rays as [`Camera::world_ray`], rounded to f32 where they are small: what all samples of a pixel share is
-//! taken from the camera in double precision. With an untilted disc this made a camera ray cost a fifth of what it did.
+//! taken from the camera in double precision. With the samples in lanes too, this took the tracer from 10.9 to 20 million
+//! camera samples per 2 CPU seconds (44,716 triangles, `ray_speed`).
 
 use fearless_simd::{f32x8, prelude::*};
 use glam::{DVec2, DVec3};
