@@ -25,7 +25,7 @@ impl Sum {
     #[inline]
     pub(crate) fn add(&mut self, radiance: Vec3) {
         for (sum, value) in self.rgb.iter_mut().zip(radiance.to_array()) {
-            *sum += (f64::from(value) * STEPS).round() as i64;
+            *sum += (f64::from(value) * STEPS + 0.5) as i64; // rounds, as no radiance is negative
         }
         self.count += 1;
     }

@@ -31,7 +31,7 @@ pub enum SceneError {
         count: usize,
     },
     /// More things than fit.
-    #[error("{0} primitives are more than the {max} that fit", max = u32::MAX / 2)]
+    #[error("{0} primitives are more than the {max} that fit", max = crate::geometry::Geometry::MOST)]
     TooMany(usize),
 }
 

@@ -31,13 +31,18 @@ mod error;
 mod file;
 mod geometry;
 mod layers;
+mod lens;
+#[cfg(test)]
+mod levels;
 mod light;
 mod material;
+mod packet;
 mod pixels;
 mod ray;
 mod render;
 mod sampler;
 mod scene;
+mod shade;
 mod shape;
 mod triangle;
 

@@ -3,13 +3,18 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use fearless_simd::{dispatch, prelude::*};
 use glam::{DVec2, Vec3};
 use optics::Camera;
 use rayon::prelude::*;
 use rgbd::{Cancelled, PixelWindow, Progress, Truth};
 
 use crate::accumulation::{Accumulation, Sum};
-use crate::sampler::{MAX_ATTEMPTS, MAX_SAMPLES, Sampler};
+use crate::lens::Lens;
+use crate::packet::{Packet, RAYS};
+use crate::sampler::{MAX_ATTEMPTS, MAX_SAMPLES, Sample, Sampler, eight_samples};
+use crate::shade::Shader;
+use crate::triangle::Axes;
 use crate::{Pixels, Ray, RenderError, Scene};
 
 /// Pixels that one thread takes at a time.
@@ -37,19 +42,21 @@ pub fn render(
     let mut halves = vec![[Sum::default(); 2]; window.area()];
     let total = halves.len().div_ceil(CHUNK) as u64;
     let done = AtomicU64::new(0);
+    let lens = Lens::new(camera);
     halves.par_chunks_mut(CHUNK).enumerate().try_for_each(|(chunk, sums)| {
         if progress.is_cancelled() {
             return Err(Cancelled);
         }
-        for (i, sums) in sums.iter_mut().enumerate() {
-            let (x, y) = place(window, chunk * CHUNK + i);
-            if pixels.contains(x, y) {
-                for (half, sum) in sums.iter_mut().enumerate() {
-                    let sampler = Sampler::new(seed, x, y, half);
-                    samples.clone().for_each(|index| sum.add(see(scene, camera, x, y, &sampler, index)));
+        dispatch!(scene.geometry.level(), simd => {
+            let mut gather = Gather::new(scene, sums);
+            for i in 0..gather.sums.len() {
+                let (x, y) = place(window, chunk * CHUNK + i);
+                if pixels.contains(x, y) {
+                    gather.pixel(simd, &lens, (x, y), i, samples.clone(), seed);
                 }
             }
-        }
+            gather.finish(simd);
+        });
         progress.report(done.fetch_add(1, Ordering::Relaxed) + 1, total);
         Ok(())
     })?;
@@ -62,19 +69,122 @@ fn place(window: PixelWindow, index: usize) -> (i32, i32) {
     (window.x.saturating_add_unsigned((index % width) as u32), window.y.saturating_add_unsigned((index / width) as u32))
 }
 
-/// What one sample of a pixel sees; black where the lens blocks it altogether.
-#[inline]
-fn see(scene: &Scene, camera: &Camera, x: i32, y: i32, sampler: &Sampler, index: u32) -> Vec3 {
-    let sample = sampler.sample(index);
-    let pixel = DVec2::new(f64::from(x), f64::from(y)) + sample.pixel;
-    let q = camera.film.q_from_pixel(pixel);
-    // A pixel is the mean over the open lens: take another point where a cat's eye is closed
-    let attempts = if camera.iris.cat_eye() > 0.0 { MAX_ATTEMPTS } else { 0 };
-    let others = (1..=attempts).map(|attempt| sampler.other_lens(index, attempt));
-    let ray = std::iter::once(sample.lens).chain(others).find_map(|u| camera.world_ray(q, u, 0.0));
-    match ray {
-        Some(ray) => scene.radiance(&Ray::new(ray.origin, ray.direction)) * ray.weight as f32,
-        None => Vec3::ZERO,
+/// Collects the rays of a chunk of pixels in packets, one for each class of axes, and counts what they see.
+///
+/// What a ray sees does not depend on its company, and sums are exact: how rays come together is never seen.
+struct Gather<'a> {
+    shader: Shader<'a>,
+    sums: &'a mut [[Sum; 2]],
+    packets: Vec<Packet>,
+    /// The pixel and half of each ray, and its weight.
+    owners: Vec<[(u32, f32); RAYS]>,
+}
+
+impl<'a> Gather<'a> {
+    fn new(scene: &'a Scene, sums: &'a mut [[Sum; 2]]) -> Self {
+        let packets = (0..Axes::CLASSES).map(Packet::new).collect();
+        Self { shader: Shader::new(scene), sums, packets, owners: vec![[(0, 0.0); RAYS]; Axes::CLASSES] }
+    }
+
+    /// Adds the samples of pixel (x, y), the `index`-th of the chunk.
+    #[inline(always)]
+    fn pixel<S: Simd>(
+        &mut self,
+        simd: S,
+        lens: &Lens,
+        (x, y): (i32, i32),
+        index: usize,
+        samples: Range<u32>,
+        seed: u64,
+    ) {
+        let corner = DVec2::new(f64::from(x), f64::from(y));
+        let samplers = [0, 1].map(|half| Sampler::new(seed, x, y, half));
+        let Some(pixel) = lens.pixel(corner) else {
+            return self.edge(simd, lens.camera(), corner, index, &samplers, samples);
+        };
+        // Take eight at a time, those of the second half after those of the first
+        let count = samples.len();
+        for first in (0..2 * count).step_by(8) {
+            let (mut of_lane, mut indices) = ([samplers[0]; 8], [samples.start; 8]);
+            let end = (first + 8).min(2 * count);
+            for (lane, i) in (first..end).enumerate() {
+                let half = usize::from(i >= count);
+                of_lane[lane] = samplers[half];
+                indices[lane] = samples.start + (i - half * count) as u32;
+            }
+            let rays = lens.rays(simd, &pixel, eight_samples(simd, &of_lane, &indices));
+            for (lane, i) in (first..end).enumerate() {
+                let [ox, oy, oz] = &rays.origin;
+                let [dx, dy, dz] = &rays.direction;
+                let origin = Vec3::new(ox[lane], oy[lane], oz[lane]);
+                let direction = Vec3::new(dx[lane], dy[lane], dz[lane]);
+                let owner = (2 * index + usize::from(i >= count)) as u32;
+                self.ray(simd, &Ray { origin, direction }, (owner, 1.0));
+            }
+        }
+    }
+
+    /// Adds the samples of a pixel some of which the lens may block: those take another point of the lens where a cat's
+    /// eye is closed, since a pixel is the mean over the open lens, and see black where the whole lens is turned away.
+    #[cold]
+    #[inline(never)]
+    fn edge<S: Simd>(
+        &mut self,
+        simd: S,
+        camera: &Camera,
+        corner: DVec2,
+        index: usize,
+        samplers: &[Sampler; 2],
+        samples: Range<u32>,
+    ) {
+        let attempts = if camera.iris.cat_eye() > 0.0 { MAX_ATTEMPTS } else { 0 };
+        for (half, sampler) in samplers.iter().enumerate() {
+            for sample in samples.clone() {
+                let others = (1..=attempts).map(|attempt| sampler.other_lens(sample, attempt));
+                let Sample { pixel, lens } = sampler.sample(sample);
+                let q = camera.film.q_from_pixel(corner + pixel);
+                match std::iter::once(lens).chain(others).find_map(|u| camera.world_ray(q, u, 0.0)) {
+                    Some(ray) => {
+                        let owner = ((2 * index + half) as u32, ray.weight as f32);
+                        self.ray(simd, &Ray::new(ray.origin, ray.direction), owner);
+                    }
+                    None => self.sums[index][half].add(Vec3::ZERO),
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn ray<S: Simd>(&mut self, simd: S, ray: &Ray, owner: (u32, f32)) {
+        let class = Axes::class_of(ray.direction);
+        let lane = self.packets[class].push(ray);
+        self.owners[class][lane] = owner;
+        if lane == RAYS - 1 {
+            self.trace(simd, class);
+        }
+    }
+
+    /// Traces what is left.
+    #[inline(always)]
+    fn finish<S: Simd>(&mut self, simd: S) {
+        for class in 0..Axes::CLASSES {
+            if self.packets[class].count() > 0 {
+                self.trace(simd, class);
+            }
+        }
+    }
+
+    fn trace<S: Simd>(&mut self, simd: S, class: usize) {
+        let packet = &mut self.packets[class];
+        let shader = &mut self.shader;
+        let radiance = simd.vectorize(
+            #[inline(always)]
+            || shader.radiance(simd, packet),
+        );
+        for (radiance, &(owner, weight)) in radiance.iter().zip(&self.owners[class][..packet.count()]) {
+            self.sums[owner as usize / 2][owner as usize % 2].add(radiance * weight);
+        }
+        packet.clear(class);
     }
 }
 
@@ -113,5 +223,42 @@ pub fn truth_to_noise(
         let next = (end * 2).min(max);
         sums.merge(&render(scene, camera, &window.into(), end..next, seed, progress)?)?;
         end = next;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, DVec3};
+    use optics::{ApertureShape, Film, Focus, Iris, Pose};
+
+    use super::*;
+    use crate::{Light, Material, SceneBuilder, Shape, levels};
+
+    #[test]
+    fn the_picture_is_the_same_at_every_level() {
+        let mut builder = SceneBuilder::new();
+        let grey = builder.material(Material::matte(Vec3::new(0.7, 0.6, 0.5)));
+        builder.shape(Shape::Plane, DAffine3::IDENTITY, grey).unwrap();
+        let corners = [DVec3::new(-1.0, 0.0, 0.0), DVec3::new(1.0, 0.0, 0.3), DVec3::new(0.0, 1.5, 0.2)];
+        builder.mesh(&corners, &[[0, 1, 2]], |_| grey, DAffine3::IDENTITY).unwrap();
+        builder.light(Light::sun(DVec3::new(1.0, 2.0, 0.5), Vec3::ONE).unwrap());
+        let mut scene = builder.build().unwrap();
+        let window = PixelWindow::of_size(40, 30);
+        for shape in [ApertureShape::Disc, ApertureShape::polygon(6, 0.1).unwrap()] {
+            let camera = Camera {
+                pose: Pose::look_at(DVec3::new(0.0, 2.0, 4.0), 0.5 * DVec3::Y, DVec3::Y).unwrap(),
+                film: Film::from_fov(0.8, 40, 30).unwrap(),
+                focus: Focus::new(DVec3::new(0.05, -0.1, 0.2)).unwrap(),
+                iris: Iris::new(DVec3::new(0.1, -0.3, 1.0), 0.3, shape).unwrap(),
+            };
+            let pictures = levels::all().into_iter().map(|level| {
+                scene.geometry.set_level(level);
+                (level, truth(&scene, &camera, window, 10, 1, &rgbd::Silent).unwrap())
+            });
+            let pictures: Vec<_> = pictures.collect();
+            for (level, picture) in &pictures {
+                assert!(*picture == pictures[0].1, "{level:?} is not {:?}", pictures[0].0);
+            }
+        }
     }
 }

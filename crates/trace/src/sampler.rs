@@ -1,6 +1,10 @@
 //! Where in the pixel and where on the lens a sample lies.
 
+use std::sync::LazyLock;
+
+use fearless_simd::{f32x8, prelude::*, u32x8};
 use glam::DVec2;
+use sobol_burley::parts::sobol_rev;
 use sobol_burley::sample_4d;
 
 /// Length of a pixel's sequence in each half.
@@ -51,6 +55,79 @@ impl Sampler {
     }
 }
 
+/// What each bit of a sample index does to each of the four dimensions, bits reversed.
+static DIRECTIONS: LazyLock<[[u32; 4]; 16]> =
+    LazyLock::new(|| std::array::from_fn(|bit| std::array::from_fn(|k| sobol_rev(1 << (31 - bit), k as u32))));
+
+/// Eight samples at once, of any sequences: pixel x, y and lens u, v, the same bits as [`Sampler::sample`].
+#[inline(always)]
+pub(crate) fn eight_samples<S: Simd>(simd: S, samplers: &[Sampler; 8], indices: &[u32; 8]) -> [f32x8<S>; 4] {
+    let mut seeds = [0; 8];
+    for (seed, sampler) in seeds.iter_mut().zip(samplers) {
+        *seed = sampler.scramble;
+    }
+    let seeds = u32x8::load_array(simd, seeds);
+    let indices = reversed(u32x8::load_array_ref(simd, indices));
+    let shuffled = scrambled(indices, hashed(seeds ^ 0x79c6_8e4a));
+
+    // Sum up the directions of the bits that are set
+    let mut sobol = [u32x8::splat(simd, 0); 4];
+    for (bit, directions) in DIRECTIONS.iter().enumerate() {
+        let is_set = u32x8::splat(simd, 0) - ((shuffled >> (31 - bit as u32)) & 1);
+        sobol[0] ^= is_set & directions[0];
+        sobol[1] ^= is_set & directions[1];
+        sobol[2] ^= is_set & directions[2];
+        sobol[3] ^= is_set & directions[3];
+    }
+
+    // Scramble each dimension in its own way
+    let seeds = seeds * 0x9c8f_2d3b;
+    [
+        unit(scrambled(sobol[0], hashed(seeds ^ 0x912f_69ba))),
+        unit(scrambled(sobol[1], hashed(seeds ^ 0x174f_18ab))),
+        unit(scrambled(sobol[2], hashed(seeds ^ 0x691e_72ca))),
+        unit(scrambled(sobol[3], hashed(seeds ^ 0xb40c_c1b8))),
+    ]
+}
+
+/// `sobol_burley::parts::owen_scramble_rev` in lanes.
+#[inline(always)]
+fn scrambled<S: Simd>(mut n: u32x8<S>, scramble: u32x8<S>) -> u32x8<S> {
+    n ^= n * 0x3d20_adea;
+    n += scramble;
+    n *= (scramble >> 16) | 1;
+    n ^= n * 0x0552_6c56;
+    n ^ (n * 0x53a2_2864)
+}
+
+/// `sobol_burley::parts::hash` in lanes.
+#[inline(always)]
+fn hashed<S: Simd>(mut n: u32x8<S>) -> u32x8<S> {
+    n ^= 0xe6fe_3beb;
+    n ^= n >> 16;
+    n *= 0x7feb_352d;
+    n ^= n >> 15;
+    n *= 0x846c_a68b;
+    n ^ (n >> 16)
+}
+
+/// Bits in reverse order.
+#[inline(always)]
+fn reversed<S: Simd>(mut n: u32x8<S>) -> u32x8<S> {
+    n = ((n >> 1) & 0x5555_5555) | ((n & 0x5555_5555) << 1);
+    n = ((n >> 2) & 0x3333_3333) | ((n & 0x3333_3333) << 2);
+    n = ((n >> 4) & 0x0f0f_0f0f) | ((n & 0x0f0f_0f0f) << 4);
+    n = ((n >> 8) & 0x00ff_00ff) | ((n & 0x00ff_00ff) << 8);
+    (n >> 16) | (n << 16)
+}
+
+/// Reversed integers as numbers in [0, 1).
+#[inline(always)]
+fn unit<S: Simd>(n: u32x8<S>) -> f32x8<S> {
+    let from_one_to_two: f32x8<S> = ((reversed(n) >> 9) | 0x3f80_0000).bitcast();
+    from_one_to_two - 1.0
+}
+
 /// The finaliser of SplitMix64 (Steele, Lea, Flood 2014), after one step of its counter.
 fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -61,6 +138,8 @@ fn mix(x: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::dispatch;
+
     use super::*;
 
     #[test]
@@ -71,6 +150,22 @@ mod tests {
             assert!(all[i + 1..].iter().all(|b| a != b), "{all:?}");
         }
         assert_ne!(first(1, -1, 0, 0), first(1, 0, -1, 0));
+    }
+
+    #[test]
+    fn samples_in_lanes_have_the_same_bits() {
+        for level in crate::levels::all() {
+            for first in [0_u32, 1000, 65_528] {
+                let samplers = std::array::from_fn(|i| Sampler::new(3, 17, 1 << i, i % 2));
+                let indices = std::array::from_fn(|i| first + i as u32);
+                let lanes = dispatch!(level, simd => eight_samples(simd, &samplers, &indices).map(SimdBase::to_array));
+                for i in 0..8 {
+                    let Sample { pixel, lens } = samplers[i].sample(indices[i]);
+                    let found = lanes.map(|n| f64::from(n[i]));
+                    assert_eq!(found, [pixel.x, pixel.y, lens.x, lens.y], "{level:?}, sample {}", indices[i]);
+                }
+            }
+        }
     }
 
     #[test]

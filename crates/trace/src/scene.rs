@@ -12,11 +12,11 @@ pub const MAX_RADIANCE: f32 = 262_144.0;
 /// Surfaces, lights and sky; immutable, shared by all threads.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    geometry: Geometry,
-    materials: Vec<Material>,
-    ambient: Vec3,
-    suns: Vec<(DVec3, Vec3)>,
-    sky: Vec3,
+    pub(crate) geometry: Geometry,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) ambient: Vec3,
+    pub(crate) suns: Vec<(DVec3, Vec3)>,
+    pub(crate) sky: Vec3,
     shadow_bias: f64,
     metres_per_unit: Option<f64>,
 }
@@ -31,20 +31,20 @@ impl Scene {
     /// Whether a surface lies on the ray at t in (0, `t_max`).
     #[must_use]
     pub fn is_blocked(&self, ray: &Ray, t_max: f64) -> bool {
-        self.geometry.is_blocked(ray, t_max, None)
+        self.geometry.is_blocked(ray, t_max, Geometry::NO_PRIMITIVE)
     }
 
     /// Whether a surface other than `from`'s own lies between it and `target`.
     #[must_use]
     pub fn is_hidden(&self, from: &Hit, normal: DVec3, target: DVec3) -> bool {
         let ray = Ray::leaving(from.point, normal, target - from.point);
-        self.geometry.is_blocked(&ray, 1.0, Some(from.primitive))
+        self.geometry.is_blocked(&ray, 1.0, from.primitive)
     }
 
     /// The next surface along `direction` from a point of another one, on the side that `normal` points to.
     pub(crate) fn hit_beyond(&self, from: &Hit, normal: DVec3, direction: DVec3) -> Option<Hit> {
         let ray = Ray::leaving(from.point, normal, direction);
-        self.geometry.hit_skipping(&ray, Some(from.primitive))
+        self.geometry.hit_skipping(&ray, from.primitive)
     }
 
     /// Radiance that comes along a ray: of the first surface, or the sky.
@@ -65,9 +65,8 @@ impl Scene {
         for &(toward, strength) in &self.suns {
             let cosine = normal.dot(toward);
             if cosine > 0.0 {
-                let bias = self.shadow_bias * (1.0 + hit.point.abs().max_element());
-                let ray = Ray::leaving(hit.point + bias * normal, normal, toward);
-                if !self.geometry.is_blocked(&ray, f64::INFINITY, Some(hit.primitive)) {
+                let ray = self.shadow_ray(hit.point, normal, toward);
+                if !self.geometry.is_blocked(&ray, f64::INFINITY, hit.primitive) {
                     light += strength * cosine as f32;
                 }
             }
@@ -75,10 +74,23 @@ impl Scene {
         material.pigment.at(hit.point) * light + material.emission
     }
 
+    /// The ray from a surface towards a sun.
+    #[inline]
+    pub(crate) fn shadow_ray(&self, point: DVec3, normal: DVec3, toward: DVec3) -> Ray {
+        let bias = self.shadow_bias * (1.0 + point.abs().max_element());
+        Ray::leaving(point + bias * normal, normal, toward)
+    }
+
     /// Radiance where nothing is hit.
     #[must_use]
     pub fn sky(&self) -> Vec3 {
         self.sky
+    }
+
+    /// Bytes of memory that its surfaces occupy, with the tree over them.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.geometry.bytes()
     }
 
     /// Metres in one scene unit, where known.

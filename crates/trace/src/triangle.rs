@@ -1,121 +1,143 @@
-//! Four triangles at a time against one ray, without gaps between neighbours.
+//! Triangles against rays without gaps between neighbours: four triangles against one ray, or one against eight rays.
 //!
 //! Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection" (JCGT 2013): the triangle is sheared into a space where
 //! the ray is the z axis; the signs of three edge functions, exactly antisymmetric in their end points, tell whether
 //! the axis passes between the edges; an edge function of exactly 0 is decided in double precision.
+//!
+//! All lanes of all widths do the same operations in the same order, none of them fused: whether a processor has fused
+//! multiply-add must not be seen in a picture, and doing it in software costs more than all the rest.
 
-use glam::{BVec4A, Vec3, Vec4};
+use fearless_simd::prelude::*;
+use glam::Vec3;
 
 use crate::Ray;
 
-/// A ray, sheared for [`Triangle4::hit`].
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ShearedRay {
-    origin: [Vec4; 3],
-    axes: [usize; 3],
-    shear: [Vec4; 3],
+/// How rays are sheared: their axes with the largest component of the direction last, wound as x, y, z are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Axes {
+    pub(crate) order: [usize; 3],
+    /// Which of the six: twice the last axis, one more if its direction is negative.
+    pub(crate) class: usize,
 }
 
-impl ShearedRay {
-    pub(crate) fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
-        // Let z be the largest component; keep the winding
-        let z = d.abs().max_position();
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if d[z] < 0.0 {
-            std::mem::swap(&mut x, &mut y);
-        }
-        Self {
-            origin: [x, y, z].map(|axis| Vec4::splat(ray.origin[axis])),
-            axes: [x, y, z],
-            shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]].map(Vec4::splat),
-        }
+impl Axes {
+    pub(crate) const CLASSES: usize = 6;
+
+    /// The class of a direction.
+    #[inline(always)]
+    pub(crate) fn class_of(direction: Vec3) -> usize {
+        let size = direction.abs();
+        let z = if size.x >= size.y && size.x >= size.z { 0 } else { 1 + usize::from(size.z > size.y) };
+        2 * z + usize::from(direction[z] < 0.0)
+    }
+
+    #[inline(always)]
+    pub(crate) fn of_class(class: usize) -> Self {
+        let z = class / 2;
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        // Keep the winding
+        let order = if class % 2 == 1 { [y, x, z] } else { [x, y, z] };
+        Self { order, class }
     }
 }
 
-/// Where a ray meets a triangle: the ray's parameter and the weights of the three corners, which sum to 1.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TriangleHit {
-    pub(crate) t: f32,
-    pub(crate) weights: Vec3,
-    /// Which of the four.
-    pub(crate) lane: usize,
+/// A ray in sheared space: its origin in the order of the axes, and d.x / d.z, d.y / d.z, 1 / d.z.
+#[derive(Clone, Copy)]
+pub(crate) struct Sheared<F> {
+    pub(crate) origin: [F; 3],
+    pub(crate) shear: [F; 3],
 }
 
-/// Up to four triangles: `corners[k][axis]` holds corner k of each. Unused lanes are NaN and never hit.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Triangle4 {
-    corners: [[Vec4; 3]; 3],
+impl Sheared<f32> {
+    /// A ray and the axes that suit it.
+    #[inline(always)]
+    pub(crate) fn new(ray: &Ray) -> (Self, Axes) {
+        let axes = Axes::of_class(Axes::class_of(ray.direction));
+        let [dx, dy, dz] = axes.order.map(|axis| ray.direction[axis]);
+        let origin = axes.order.map(|axis| ray.origin[axis]);
+        (Self { origin, shear: [dx / dz, dy / dz, 1.0 / dz] }, axes)
+    }
+
+    #[inline(always)]
+    pub(crate) fn splat<S: Simd, F: SimdFloat<S, Element = f32>>(&self, simd: S) -> Sheared<F> {
+        Sheared { origin: splat(simd, self.origin), shear: splat(simd, self.shear) }
+    }
 }
 
-impl Triangle4 {
-    pub(crate) fn new(triangles: &[[Vec3; 3]]) -> Self {
-        let mut corners = [[Vec4::NAN; 3]; 3];
-        for (lane, triangle) in triangles.iter().take(4).enumerate() {
-            for (k, corner) in triangle.iter().enumerate() {
-                for axis in 0..3 {
-                    corners[k][axis][lane] = corner[axis];
-                }
-            }
-        }
-        Self { corners }
+/// Each number in all lanes. (A closure given to `map` would not be inlined, and would lose the vector instructions.)
+#[inline(always)]
+pub(crate) fn splat<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [x, y, z]: [f32; 3]) -> [F; 3] {
+    [F::splat(simd, x), F::splat(simd, y), F::splat(simd, z)]
+}
+
+/// Where lanes meet: the ray's parameter, and the weights of the second and third corner.
+#[derive(Clone, Copy)]
+pub(crate) struct Meeting<S: Simd, F: SimdBase<S>> {
+    pub(crate) is_met: F::Mask,
+    pub(crate) t: F,
+    pub(crate) v: F,
+    pub(crate) w: F,
+}
+
+impl<F: Copy> Sheared<F> {
+    /// A corner seen along the ray, its z not yet scaled.
+    #[inline(always)]
+    fn sheared<S: Simd>(&self, &[x, y, z]: &[F; 3]) -> [F; 3]
+    where
+        F: SimdFloat<S, Element = f32>,
+    {
+        let dz = z - self.origin[2];
+        [x - self.origin[0] - self.shear[0] * dz, y - self.origin[1] - self.shear[1] * dz, dz]
     }
 
-    /// The same triangles but one.
-    pub(crate) fn without(&self, lane: usize) -> Self {
-        let mut rest = *self;
-        rest.corners.iter_mut().flatten().for_each(|values| values[lane] = f32::NAN);
-        rest
-    }
-
-    /// The nearest of the four hits with t in (0, `t_max`), from either side.
-    #[inline]
-    pub(crate) fn hit(&self, ray: &ShearedRay, t_max: f32) -> Option<TriangleHit> {
+    /// Meets triangles, `corners[k][axis]` with the axes in the rays' order, from either side at t > 0. NaN is never met.
+    #[inline(always)]
+    pub(crate) fn meet<S: Simd>(&self, simd: S, corners: &[[F; 3]; 3]) -> Option<Meeting<S, F>>
+    where
+        F: SimdFloat<S, Element = f32>,
+    {
         // Shear the corners into the ray's space
-        let [x, y, z] = ray.axes;
-        let [sx, sy, sz] = ray.shear;
-        let sheared = |k: usize| {
-            let corner = &self.corners[k];
-            let dz = corner[z] - ray.origin[2];
-            (corner[x] - ray.origin[0] - sx * dz, corner[y] - ray.origin[1] - sy * dz, sz * dz)
-        };
-        let ((ax, ay, az), (bx, by, bz), (cx, cy, cz)) = (sheared(0), sheared(1), sheared(2));
+        let [ax, ay, az] = self.sheared::<S>(&corners[0]);
+        let [bx, by, bz] = self.sheared::<S>(&corners[1]);
+        let [cx, cy, cz] = self.sheared::<S>(&corners[2]);
 
-        // Evaluate the edge functions, again in double precision where one is 0
+        // Reject where the edge functions differ in sign
+        let zero = F::splat(simd, 0.0);
         let mut u = cx * by - cy * bx;
         let mut v = ax * cy - ay * cx;
         let mut w = bx * ay - by * ax;
-        let zero = u.cmpeq(Vec4::ZERO) | v.cmpeq(Vec4::ZERO) | w.cmpeq(Vec4::ZERO);
-        if zero.any() {
-            u = precise(zero, u, [cx, by, cy, bx]);
-            v = precise(zero, v, [ax, cy, ay, cx]);
-            w = precise(zero, w, [bx, ay, by, ax]);
-        }
-
-        // Reject where the signs differ
-        let negative = u.cmplt(Vec4::ZERO) | v.cmplt(Vec4::ZERO) | w.cmplt(Vec4::ZERO);
-        let positive = u.cmpgt(Vec4::ZERO) | v.cmpgt(Vec4::ZERO) | w.cmpgt(Vec4::ZERO);
-        let inside = !(negative & positive);
-        if !inside.any() {
+        let mut inside = !(u.min(v).min(w).simd_lt(zero) & u.max(v).max(w).simd_gt(zero));
+        if inside.all_false() {
             return None;
         }
 
-        // Keep the nearest of the rest; NaN lanes fail the comparisons
+        // Evaluate them again in double precision where one is 0
+        let is_zero = (u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero)) & inside;
+        if is_zero.any_true() {
+            let lanes = is_zero.to_bitmask();
+            precise(lanes, u.as_mut_slice(), [&cx, &by, &cy, &bx].map(F::as_slice));
+            precise(lanes, v.as_mut_slice(), [&ax, &cy, &ay, &cx].map(F::as_slice));
+            precise(lanes, w.as_mut_slice(), [&bx, &ay, &by, &ax].map(F::as_slice));
+            inside &= !(u.min(v).min(w).simd_lt(zero) & u.max(v).max(w).simd_gt(zero));
+        }
+
+        // Interpolate; lanes of NaN fail the comparison
         let sum = u + v + w;
-        let t = (u * az + v * bz + w * cz) / sum;
-        let valid = inside & t.cmpgt(Vec4::ZERO) & t.cmplt(Vec4::splat(t_max)) & sum.cmpne(Vec4::ZERO);
-        if !valid.any() {
-            return None;
-        }
-        let t = Vec4::select(valid, t, Vec4::INFINITY);
-        let lane = t.min_position();
-        Some(TriangleHit { t: t[lane], weights: Vec3::new(u[lane], v[lane], w[lane]) / sum[lane], lane })
+        let share = F::splat(simd, 1.0) / sum;
+        let t = (u * az + v * bz + w * cz) * share * self.shear[2];
+        let is_met = inside & t.simd_gt(zero) & sum.simd_ne(zero);
+        Some(Meeting { is_met, t, v: v * share, w: w * share })
     }
 }
 
-/// p q - r s in double precision in the lanes of `which`, the products exact.
+/// p q - r s in double precision in the lanes of a bit mask, the products exact.
 #[cold]
-fn precise(which: BVec4A, single: Vec4, [p, q, r, s]: [Vec4; 4]) -> Vec4 {
-    let double = (p.as_dvec4() * q.as_dvec4() - r.as_dvec4() * s.as_dvec4()).as_vec4();
-    Vec4::select(which, double, single)
+#[inline(never)]
+fn precise(lanes: u64, single: &mut [f32], [p, q, r, s]: [&[f32]; 4]) {
+    for (i, single) in single.iter_mut().enumerate() {
+        if lanes >> i & 1 == 1 {
+            let [p, q, r, s] = [p[i], q[i], r[i], s[i]].map(f64::from);
+            *single = (p * q - r * s) as f32;
+        }
+    }
 }

@@ -89,12 +89,10 @@ impl PlacedShape {
     /// The box around it in the world, `None` if it is infinite.
     pub(crate) fn bounds(&self) -> Option<Bounds> {
         let (low, high) = self.shape.local_bounds()?;
-        let mut bounds = Bounds::EMPTY;
-        for corner in 0..8 {
+        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: usize| {
             let pick = |bit: usize, axis: usize| if corner >> bit & 1 == 1 { high[axis] } else { low[axis] };
-            let p_local = DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2));
-            bounds.include(self.world_from_local.transform_point3(p_local));
-        }
-        Some(bounds)
+            self.world_from_local.transform_point3(DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
+        });
+        Some(Bounds::around_exact(&corners))
     }
 }
