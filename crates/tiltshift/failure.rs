@@ -41,7 +41,7 @@ impl std::fmt::Display for Failure {
                 f.write_str(said.trim_end())
             }
             Self::Exceeded(what) => f.write_str(what),
-            Self::Interrupted => f.write_str("stopped; nothing was written that is not complete"),
+            Self::Interrupted => f.write_str("stopped; no result was written that is not complete"),
         }
     }
 }
@@ -70,5 +70,6 @@ input_errors!(
     rgbd::ReadError,
     rgbd::WriteError,
     trace::FileError,
+    trace::PartError,
     trace::RenderError
 );

@@ -29,6 +29,8 @@ struct Cli {
 enum Command {
     /// Trace a scene through a tilted lens: the ground truth, and the RGB-D frame that filters need.
     Render(command::render::Options),
+    /// Join parts of a render.
+    Merge(command::merge::Options),
     /// Put a tilt-shift lens onto an RGB-D picture of any renderer.
     Filter(Box<command::filter::Options>),
     /// Say how far pictures are from a reference, and where.
@@ -54,6 +56,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Outcome {
     let outcome = match command {
         Command::Render(options) => command::render::run(&options),
+        Command::Merge(options) => command::merge::run(&options),
         Command::Filter(options) => command::filter::run(&options),
         Command::Compare(options) => command::compare::run(&options),
         Command::Lens(options) => command::lens::run(&options),

@@ -68,6 +68,45 @@ impl FromStr for Size {
     }
 }
 
+/// Samples of each pixel, `128..256`: from the first to before the second, both even (one for each half).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct SampleRange(pub(crate) [u32; 2]);
+
+impl FromStr for SampleRange {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let (first, end) = text.split_once("..").ok_or_else(|| anyhow!("two numbers with \"..\" between, please"))?;
+        let even = |part: &str| match part.trim().parse::<u32>() {
+            Ok(number) if number % 2 == 0 && number <= 2 * trace::MAX_SAMPLES => Ok(number),
+            _ => bail!("{part:?} is not an even number from 0 to {}", 2 * trace::MAX_SAMPLES),
+        };
+        let range = [even(first)?, even(end)?];
+        if range[0] < range[1] { Ok(Self(range)) } else { bail!("there is no sample in it") }
+    }
+}
+
+/// Pixels of the picture, `100,50,640x360`: left column, top row, width and height.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Crop(pub(crate) rgbd::PixelWindow);
+
+impl FromStr for Crop {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let (place, size) =
+            text.rsplit_once(',').ok_or_else(|| anyhow!("left, top and size please, like 100,50,640x360"))?;
+        let (Pixel { x, y }, Size { width, height }) = (place.parse()?, size.parse()?);
+        Ok(Self(rgbd::PixelWindow { x, y, width, height }))
+    }
+}
+
+/// A number that is 0 or more.
+pub(crate) fn not_negative(text: &str) -> anyhow::Result<f64> {
+    let number = finite(text)?;
+    if number >= 0.0 { Ok(number) } else { bail!("it must be 0 or more") }
+}
+
 fn halves(text: &str, separator: char) -> anyhow::Result<(&str, &str)> {
     let (a, b) =
         text.split_once(separator).ok_or_else(|| anyhow!("two numbers with a {separator:?} between, please"))?;

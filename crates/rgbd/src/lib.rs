@@ -80,7 +80,7 @@ pub use plane::{Mask, Plane};
 pub use png::{encode_png, srgb_byte, write_png};
 pub use primaries::Primaries;
 pub use progress::{Cancelled, Progress, Silent};
-pub use read::{Loaded, read_frame, read_picture, read_truth, survey_file};
+pub use read::{Loaded, read_frame, read_picture, read_planes, read_truth, survey_file};
 pub use read_error::ReadError;
 pub use read_options::ReadOptions;
 pub use replace::replace_file;

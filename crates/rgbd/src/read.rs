@@ -11,7 +11,8 @@ use crate::exr_file::ExrFile;
 use crate::survey::ChannelIndex;
 use crate::write::{half_prefix, layer_prefix};
 use crate::{
-    Choice, DepthConvention, Frame, Head, Layer, LensAttributes, Notes, Picture, ReadError, ReadOptions, Survey, Truth,
+    Choice, DepthConvention, Frame, Head, Layer, LensAttributes, Notes, Picture, Plane, ReadError, ReadOptions, Survey,
+    Truth,
 };
 
 /// What was read, and all that the file says besides.
@@ -77,6 +78,15 @@ pub fn read_truth(path: &Path, max_pixels: u64) -> Result<Loaded<Truth>, ReadErr
         None => "a picture of another program",
     };
     Err(ReadError::WrongKind { path: path.into(), found, wanted: "a traced truth with its two halves" })
+}
+
+/// Reads planes of a picture of ours by their names, in that order, bit for bit.
+pub fn read_planes(path: &Path, names: &[&str], max_pixels: u64) -> Result<Loaded<Vec<Plane>>, ReadError> {
+    let file = ExrFile::open(path, max_pixels)?;
+    let head = head(path, file.meta())?;
+    let wanted: Vec<_> = names.iter().map(|name| own_channel(&file, name)).collect::<Result<_, _>>()?;
+    let planes = file.planes(&wanted)?;
+    Ok(loaded(&file, planes, head, own_choice(names, None)))
 }
 
 /// What the file says, with what the options know better.

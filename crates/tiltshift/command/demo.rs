@@ -12,7 +12,7 @@ use trace::{Scene, SceneFile, Shot};
 
 use crate::command::compare::{print_table, write_report};
 use crate::command::filter::sensor_mm;
-use crate::command::render::{Quality, lens_in_metres, say_layers, say_noise};
+use crate::command::render::{Quality, lens_in_metres, say_layers};
 use crate::console::{Bar, say};
 use crate::failure::Outcome;
 use crate::files::{Packing, command_line, make_folder, notes, write_options};
@@ -83,7 +83,6 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let started = Instant::now();
     let truth = options.quality.truth(file.scene(), &camera)?;
     let truth_seconds = started.elapsed().as_secs_f64();
-    say_noise(&truth);
     let started = Instant::now();
     let layered = options.quality.layers(file.scene(), &camera)?;
     let frame_seconds = started.elapsed().as_secs_f64();

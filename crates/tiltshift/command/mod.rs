@@ -4,4 +4,5 @@ pub(crate) mod compare;
 pub(crate) mod demo;
 pub(crate) mod filter;
 pub(crate) mod lens;
+pub(crate) mod merge;
 pub(crate) mod render;

@@ -58,6 +58,20 @@ pub enum RenderError {
         /// One past the last.
         end: u32,
     },
+    /// Samples between those of two accumulations are missing.
+    #[error("samples {first} to {end} of some pixels are missing between the parts")]
+    Gap {
+        /// First missing index.
+        first: u32,
+        /// One past the last.
+        end: u32,
+    },
+    /// A render was begun towards a number of samples and shall go on towards a noise, or the other way round.
+    #[error("the render was begun towards another goal: a number of samples and a noise spread them differently")]
+    AnotherGoal,
+    /// There is nothing to join.
+    #[error("there is no part to join")]
+    NoParts,
     /// Two accumulations come from different seeds.
     #[error("seeds {0} and {1} do not belong to one picture")]
     SeedMismatch(u64, u64),

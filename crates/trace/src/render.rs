@@ -10,12 +10,13 @@ use rayon::prelude::*;
 use rgbd::{Cancelled, PixelWindow, Progress, Truth};
 
 use crate::accumulation::{Accumulation, Sum};
+use crate::job::check;
 use crate::lens::Lens;
 use crate::packet::{Packet, RAYS};
 use crate::sampler::{MAX_ATTEMPTS, MAX_SAMPLES, Sample, Sampler, eight_samples};
 use crate::shade::Shader;
 use crate::triangle::Axes;
-use crate::{Pixels, Ray, RenderError, Scene};
+use crate::{Goal, Job, Pixels, Ray, RenderError, Scene};
 
 /// Pixels that one thread takes at a time.
 const CHUNK: usize = 64;
@@ -32,35 +33,59 @@ pub fn render(
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<Accumulation, RenderError> {
-    if samples.start >= samples.end || samples.end > MAX_SAMPLES {
-        return Err(RenderError::SampleRange { first: samples.start, end: samples.end });
-    }
+    check(&samples)?;
     let window = pixels.window();
     if window.is_empty() {
         return Err(RenderError::NoSamples(window));
     }
-    let mut halves = vec![[Sum::default(); 2]; window.area()];
-    let total = halves.len().div_ceil(CHUNK) as u64;
-    let done = AtomicU64::new(0);
-    let lens = Lens::new(camera);
-    halves.par_chunks_mut(CHUNK).enumerate().try_for_each(|(chunk, sums)| {
-        if progress.is_cancelled() {
-            return Err(Cancelled);
-        }
-        dispatch!(scene.geometry.level(), simd => {
-            let mut gather = Gather::new(scene, sums);
-            for i in 0..gather.sums.len() {
+    let mut sums = Accumulation::new(*camera, window, seed);
+    sums.extend(
+        scene,
+        &|x, y| if pixels.contains(x, y) { [samples.clone(), samples.clone()] } else { [0..0, 0..0] },
+        progress,
+    )?;
+    Ok(sums)
+}
+
+/// The samples that both halves of a pixel shall have.
+pub type Wanted<'a> = &'a (dyn Fn(i32, i32) -> [Range<u32>; 2] + Sync);
+
+impl Accumulation {
+    /// Adds the samples of each pixel that follow those it has, up to those that are wanted of it.
+    ///
+    /// When it is cancelled, some pixels have theirs and others not: it can go on from there.
+    pub fn extend(&mut self, scene: &Scene, wanted: Wanted<'_>, progress: &dyn Progress) -> Result<(), Cancelled> {
+        let (window, camera, seed) = (self.window(), *self.camera(), self.seed());
+        let total = window.area().div_ceil(CHUNK) as u64;
+        let done = AtomicU64::new(0);
+        let lens = Lens::new(&camera);
+        self.halves_mut().par_chunks_mut(CHUNK).enumerate().try_for_each(|(chunk, sums)| {
+            let of_pixel = |i: usize| {
                 let (x, y) = place(window, chunk * CHUNK + i);
-                if pixels.contains(x, y) {
-                    gather.pixel(simd, &lens, (x, y), i, samples.clone(), seed);
+                ((x, y), wanted(x, y))
+            };
+            let is_complete = |(i, sums): (usize, &[Sum; 2])| {
+                let (_, wanted) = of_pixel(i);
+                sums.iter().zip(&wanted).all(|(sum, wanted)| sum.missing(wanted).is_empty())
+            };
+            // What was done before it was stopped takes no time
+            if !sums.iter().enumerate().all(is_complete) {
+                if progress.is_cancelled() {
+                    return Err(Cancelled);
                 }
+                dispatch!(scene.geometry.level(), simd => {
+                    let mut gather = Gather::new(scene, sums);
+                    for i in 0..gather.sums.len() {
+                        let (place, wanted) = of_pixel(i);
+                        gather.pixel(simd, &lens, place, i, &wanted, seed);
+                    }
+                    gather.finish(simd);
+                });
             }
-            gather.finish(simd);
-        });
-        progress.report(done.fetch_add(1, Ordering::Relaxed) + 1, total);
-        Ok(())
-    })?;
-    Ok(Accumulation::new(*camera, seed, pixels.clone(), samples, halves))
+            progress.report(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+            Ok(())
+        })
+    }
 }
 
 /// The pixel at a row-major index.
@@ -86,7 +111,7 @@ impl<'a> Gather<'a> {
         Self { shader: Shader::new(scene), sums, packets, owners: vec![[(0, 0.0); RAYS]; Axes::CLASSES] }
     }
 
-    /// Adds the samples of pixel (x, y), the `index`-th of the chunk.
+    /// Adds the samples of pixel (x, y), the `index`-th of the chunk, that are wanted and missing.
     #[inline(always)]
     fn pixel<S: Simd>(
         &mut self,
@@ -94,23 +119,31 @@ impl<'a> Gather<'a> {
         lens: &Lens,
         (x, y): (i32, i32),
         index: usize,
-        samples: Range<u32>,
+        wanted: &[Range<u32>; 2],
         seed: u64,
     ) {
+        let samples = [0, 1].map(|half| self.sums[index][half].missing(&wanted[half]));
+        let counts = [0, 1].map(|half| samples[half].len());
+        if counts == [0; 2] {
+            return;
+        }
+        for (sum, samples) in self.sums[index].iter_mut().zip(&samples) {
+            sum.start(samples.start);
+        }
         let corner = DVec2::new(f64::from(x), f64::from(y));
         let samplers = [0, 1].map(|half| Sampler::new(seed, x, y, half));
         let Some(pixel) = lens.pixel(corner) else {
-            return self.edge(simd, lens.camera(), corner, index, &samplers, samples);
+            return self.edge(simd, lens.camera(), corner, index, &samplers, &samples);
         };
         // Take eight at a time, those of the second half after those of the first
-        let count = samples.len();
-        for first in (0..2 * count).step_by(8) {
-            let (mut of_lane, mut indices) = ([samplers[0]; 8], [samples.start; 8]);
-            let end = (first + 8).min(2 * count);
+        let total = counts[0] + counts[1];
+        for first in (0..total).step_by(8) {
+            let (mut of_lane, mut indices) = ([samplers[0]; 8], [samples[0].start; 8]);
+            let end = (first + 8).min(total);
             for (lane, i) in (first..end).enumerate() {
-                let half = usize::from(i >= count);
+                let half = usize::from(i >= counts[0]);
                 of_lane[lane] = samplers[half];
-                indices[lane] = samples.start + (i - half * count) as u32;
+                indices[lane] = samples[half].start + (i - half * counts[0]) as u32;
             }
             let rays = lens.rays(simd, &pixel, eight_samples(simd, &of_lane, &indices));
             for (lane, i) in (first..end).enumerate() {
@@ -118,7 +151,7 @@ impl<'a> Gather<'a> {
                 let [dx, dy, dz] = &rays.direction;
                 let origin = Vec3::new(ox[lane], oy[lane], oz[lane]);
                 let direction = Vec3::new(dx[lane], dy[lane], dz[lane]);
-                let owner = (2 * index + usize::from(i >= count)) as u32;
+                let owner = (2 * index + usize::from(i >= counts[0])) as u32;
                 self.ray(simd, &Ray { origin, direction }, (owner, 1.0));
             }
         }
@@ -135,10 +168,10 @@ impl<'a> Gather<'a> {
         corner: DVec2,
         index: usize,
         samplers: &[Sampler; 2],
-        samples: Range<u32>,
+        samples: &[Range<u32>; 2],
     ) {
         let attempts = if camera.iris.cat_eye() > 0.0 { MAX_ATTEMPTS } else { 0 };
-        for (half, sampler) in samplers.iter().enumerate() {
+        for (half, (sampler, samples)) in samplers.iter().zip(samples).enumerate() {
             for sample in samples.clone() {
                 let others = (1..=attempts).map(|attempt| sampler.other_lens(sample, attempt));
                 let Sample { pixel, lens } = sampler.sample(sample);
@@ -200,9 +233,9 @@ pub fn truth(
     render(scene, camera, &window.into(), 0..spp.div_ceil(2), seed, progress)?.to_truth()
 }
 
-/// Renders a window until its noise (RMSE of the mean, R, G and B) is at most `target`, or `max_spp` is reached.
+/// Renders a window until its noise (RMSE of the mean, R, G and B) is at most `target`, or every pixel has `max_spp` samples.
 ///
-/// The number of samples doubles from 16 per pixel, so that the sequences stay complete.
+/// Samples go where they count: see [`Job`].
 pub fn truth_to_noise(
     scene: &Scene,
     camera: &Camera,
@@ -212,18 +245,10 @@ pub fn truth_to_noise(
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<Truth, RenderError> {
-    let max = (max_spp / 2).clamp(1, MAX_SAMPLES);
-    let mut end = max.min(8);
-    let mut sums = render(scene, camera, &window.into(), 0..end, seed, progress)?;
-    loop {
-        let truth = sums.to_truth()?;
-        if truth.noise_rmse(window) <= target || end == max {
-            return Ok(truth);
-        }
-        let next = (end * 2).min(max);
-        sums.merge(&render(scene, camera, &window.into(), end..next, seed, progress)?)?;
-        end = next;
-    }
+    let mut job = Job::new(*camera, window, seed);
+    let most = (max_spp / 2).clamp(1, MAX_SAMPLES);
+    job.run(scene, &Goal::Noise { rmse: target, most }, progress)?;
+    job.into_sums().to_truth()
 }
 
 #[cfg(test)]

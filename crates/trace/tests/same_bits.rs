@@ -55,9 +55,7 @@ fn any_number_of_threads() {
 fn resumed_in_any_order() {
     let truth = whole().to_truth().unwrap();
     for ranges in [[0..5, 5..6, 6..13], [6..13, 0..5, 5..6]] {
-        let mut parts = ranges.map(|samples| part(WINDOW, samples)).into_iter();
-        let mut sums = parts.next().unwrap();
-        parts.for_each(|more| sums.merge(&more).unwrap());
+        let sums = Accumulation::join(ranges.map(|samples| part(WINDOW, samples))).unwrap();
         assert_eq!(sums.to_truth().unwrap(), truth);
     }
 }
@@ -86,16 +84,6 @@ fn masked_and_joined() {
 }
 
 #[test]
-fn until_the_noise_is_low() {
-    let (scene, camera) = (scene(), camera());
-    let truth = trace::truth_to_noise(&scene, &camera, WINDOW, 0.02, 512, 9, &Silent).unwrap();
-    assert!(truth.noise_rmse(WINDOW) <= 0.02);
-    let [spp, _] = truth.samples;
-    assert!(spp > 8 && spp < 256, "{spp}: neither at the first step nor at the limit");
-    assert_eq!(truth, trace::truth(&scene, &camera, WINDOW, 2 * spp, 9, &Silent).unwrap());
-}
-
-#[test]
 fn another_seed_is_another_picture_of_the_same_thing() {
     let other = trace::truth(&scene(), &camera(), WINDOW, 26, 10, &Silent).unwrap();
     let truth = whole().to_truth().unwrap();
@@ -114,6 +102,8 @@ fn parts_that_do_not_belong_together_are_refused() {
     let before = sums.clone();
     let overlap = part(PixelWindow { x: 0, y: 0, width: 1, height: 1 }, 12..14);
     assert_eq!(sums.merge(&overlap), Err(RenderError::Overlap { first: 12, end: 13 }));
+    assert_eq!(sums.merge(&part(WINDOW, 15..16)), Err(RenderError::Gap { first: 13, end: 15 }));
+    assert_eq!(Accumulation::join([]), Err(RenderError::NoParts));
     let seed = trace::render(&scene(), &camera(), &WINDOW.into(), 13..14, 8, &Silent).unwrap();
     assert_eq!(sums.merge(&seed), Err(RenderError::SeedMismatch(9, 8)));
     let other = trace::render(&scene(), &camera().pinhole(), &WINDOW.into(), 13..14, 9, &Silent).unwrap();

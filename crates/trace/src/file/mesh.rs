@@ -32,6 +32,14 @@ impl Mesh {
         read(path).map_err(fault)
     }
 
+    /// Adds all that makes it to a checksum.
+    pub(crate) fn add_to(&self, fingerprint: &mut crc32fast::Hasher) {
+        self.vertices.iter().flat_map(DVec3::to_array).for_each(|x| fingerprint.update(&x.to_le_bytes()));
+        let indices = self.triangles.iter().flatten().chain(&self.material_of);
+        indices.for_each(|i| fingerprint.update(&i.to_le_bytes()));
+        self.materials.iter().for_each(|material| fingerprint.update(format!("{material:?}").as_bytes()));
+    }
+
     /// The index of a material for surfaces that have none: white, reflecting 80 %.
     pub(crate) fn add_default_material(&mut self) -> u32 {
         self.add_material(Material::matte(Vec3::splat(0.8)))

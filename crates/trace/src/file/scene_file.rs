@@ -20,6 +20,7 @@ pub struct SceneFile {
     path: PathBuf,
     description: String,
     scene: Scene,
+    fingerprint: u32,
     base: Option<Shot>,
     shots: BTreeMap<String, Shot>,
 }
@@ -56,7 +57,8 @@ impl SceneFile {
             let resolved = resolved.map_err(|fault| reader.part(&format!("[shots.{name}]"), &fault))?;
             shots.insert(name.clone(), resolved);
         }
-        Ok(Self { path: path.into(), description: spec.description.clone(), scene: reader.scene()?, base, shots })
+        let (scene, fingerprint) = reader.scene()?;
+        Ok(Self { path: path.into(), description: spec.description.clone(), scene, fingerprint, base, shots })
     }
 
     /// What the file says about itself.
@@ -69,6 +71,13 @@ impl SceneFile {
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// A checksum of the scene, shots, cameras and comments aside: scenes that differ have different ones, but for one in
+    /// 4 billion.
+    #[must_use]
+    pub fn fingerprint(&self) -> u32 {
+        self.fingerprint
     }
 
     /// The shots by name.
@@ -138,7 +147,10 @@ impl Reader<'_> {
         }))
     }
 
-    fn scene(&self) -> Result<Scene, FileError> {
+    /// The scene and its fingerprint.
+    fn scene(&self) -> Result<(Scene, u32), FileError> {
+        let mut fingerprint = crc32fast::Hasher::new();
+        fingerprint.update(self.what_is_seen().as_bytes());
         let mut builder = SceneBuilder::new();
         if let Some(metres) = self.spec.metres_per_unit {
             builder.metres_per_unit(metres).map_err(|error| self.part("metres_per_unit", &error.into()))?;
@@ -161,12 +173,24 @@ impl Reader<'_> {
         }
         let mut meshes = BTreeMap::new();
         for (name, spec) in &self.spec.meshes {
-            meshes.insert(name.clone(), self.mesh(name, spec)?);
+            let mesh = self.mesh(name, spec)?;
+            mesh.add_to(&mut fingerprint);
+            meshes.insert(name.clone(), mesh);
         }
         for object in &self.spec.objects {
             self.add_object(&mut builder, object, &materials, &meshes)?;
         }
-        builder.build().map_err(|error| self.part("the scene", &error.into()))
+        let scene = builder.build().map_err(|error| self.part("the scene", &error.into()))?;
+        Ok((scene, fingerprint.finalize()))
+    }
+
+    /// The file's text without what only says how it is seen; its tables sorted by name.
+    fn what_is_seen(&self) -> String {
+        let mut table: toml::Table = self.text.parse().unwrap_or_default();
+        for key in ["description", "camera", "lens", "film", "shots"] {
+            table.remove(key);
+        }
+        table.to_string()
     }
 
     fn mesh(&self, name: &str, spec: &MeshSpec) -> Result<Mesh, FileError> {
