@@ -114,8 +114,13 @@ impl Part {
     pub fn read(path: &Path, max_pixels: u64) -> Result<Self, PartError> {
         let names = names();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let loaded = rgbd::read_planes(path, &names, max_pixels)?;
         let invalid = |reason: &str| PartError::Invalid { path: path.into(), reason: reason.into() };
+        let loaded = match rgbd::read_planes(path, &names, max_pixels) {
+            Err(ReadError::NotFound { name, .. }) => {
+                return Err(invalid(&format!("it has no channel {name:?}")));
+            }
+            loaded => loaded?,
+        };
         let note = |name: &str| loaded.notes.get(name);
         let missing = |name: &str| invalid(&format!("its note {name:?} is missing or no number"));
         let seed = note(SEED).and_then(|seed| seed.parse().ok()).ok_or_else(|| missing(SEED))?;

@@ -67,6 +67,8 @@ impl Long {
             Some(SampleRange([first, end])) => Goal::Samples(first / 2..end / 2),
             None => quality.goal(),
         };
+        // Long enough to get on at all
+        let save_every = Duration::from_secs_f64(self.save_every.clamp(0.05, 1e6));
         let mut part =
             Part { job: self.begin(file, camera, quality, place)?, scene: file.fingerprint(), lens: write.lens };
         let bar = Bar::new("trace the truth");
