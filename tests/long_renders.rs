@@ -1,4 +1,5 @@
 //! Renders through the command line that are killed, resumed, cut into parts and joined: the same bits as one run.
+#![allow(clippy::print_stdout)] // tests say what they measured
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};

@@ -1,6 +1,6 @@
 //! Where results go, and what they say about how they were made.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::ValueEnum;
@@ -64,6 +64,22 @@ pub(crate) fn refuse_overwriting(inputs: &[&Path], outputs: &[&Path]) -> anyhow:
     Ok(())
 }
 
+/// The name of one frame's file: its number in place of the last `####` of the name, as wide, or `_0001` before the ending.
+pub(crate) fn numbered(path: &Path, frame: i64) -> PathBuf {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let number = |width: usize| if frame < 0 { format!("-{:0width$}", -frame) } else { format!("{frame:0width$}") };
+    let name = if let Some(end) = name.rfind('#') {
+        let start =
+            name[..end].rfind(|c| c != '#').map_or(0, |at| at + name[at..].chars().next().map_or(1, char::len_utf8));
+        format!("{}{}{}", &name[..start], number(end + 1 - start), &name[end + 1..])
+    } else {
+        let (stem, ending) =
+            name.rsplit_once('.').map_or((name.as_str(), String::new()), |(s, e)| (s, format!(".{e}")));
+        format!("{stem}_{}{ending}", number(4))
+    };
+    path.with_file_name(name)
+}
+
 /// Fails if an EXR would get another kind of file's name.
 pub(crate) fn expect_exr(output: &Path) -> anyhow::Result<()> {
     let ending = output.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
@@ -119,4 +135,19 @@ pub(crate) fn write_options(
         attributes.sensor_offset_um = Some([(shift.x * 1e6) as f32, (-shift.y * 1e6) as f32]);
     }
     WriteOptions { compression: packing.into(), lens: attributes, notes }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_numbered() {
+        let name = |path: &str, frame| numbered(Path::new(path), frame).to_string_lossy().into_owned();
+        assert_eq!(name("out/a.exr", 7), "out/a_0007.exr");
+        assert_eq!(name("a", 12345), "a_12345");
+        assert_eq!(name("shot.###.exr", 7), "shot.007.exr");
+        assert_eq!(name("é##.exr", -7), "é-07.exr");
+        assert_eq!(name("####", 3), "0003");
+    }
 }

@@ -86,6 +86,24 @@ impl FromStr for SampleRange {
     }
 }
 
+/// Frames, `1..48`: first and last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Frames(pub(crate) [i64; 2]);
+
+impl FromStr for Frames {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let (first, last) = text.split_once("..").ok_or_else(|| anyhow!("two numbers with \"..\" between, please"))?;
+        let whole = |part: &str| match part.trim().parse::<i64>() {
+            Ok(number) if number.abs() <= 1_000_000 => Ok(number),
+            _ => bail!("{part:?} is not a whole number from -1000000 to 1000000"),
+        };
+        let frames = [whole(first)?, whole(last)?];
+        if frames[0] <= frames[1] { Ok(Self(frames)) } else { bail!("there is no frame in it") }
+    }
+}
+
 /// Pixels of the picture, `100,50,640x360`: left column, top row, width and height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Crop(pub(crate) rgbd::PixelWindow);

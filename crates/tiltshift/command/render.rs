@@ -5,7 +5,7 @@ mod quality;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use optics::ThinLens;
 use rgbd::{write_frame, write_png, write_truth};
@@ -16,8 +16,8 @@ use crate::command::render::long::Long;
 pub(crate) use crate::command::render::quality::Quality;
 use crate::console::{print, say};
 use crate::failure::Outcome;
-use crate::files::{Packing, expect_exr, make_folder_of, notes, refuse_overwriting, write_options};
-use crate::values::stops;
+use crate::files::{Packing, expect_exr, make_folder_of, notes, numbered, refuse_overwriting, write_options};
+use crate::values::{Frames, stops};
 
 /// Trace a scene through a tilted lens.
 ///
@@ -34,6 +34,10 @@ pub(crate) struct Options {
     /// List the shots of the scene and stop.
     #[arg(long)]
     list: bool,
+    /// Take these frames of a shot that moves, first and last; each file gets its number where its name has `####`, or
+    /// before its ending.
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    frames: Option<Frames>,
     /// Where to write the truth; `out/SCENE_SHOT.exr` without.
     #[arg(long, short, value_name = "FILE.exr")]
     output: Option<PathBuf>,
@@ -55,34 +59,74 @@ pub(crate) struct Options {
     long: Long,
 }
 
+/// The files of one picture.
+struct Outputs {
+    truth: PathBuf,
+    rgbd: PathBuf,
+    png: Option<PathBuf>,
+}
+
 pub(crate) fn run(options: &Options) -> Outcome {
     let file = SceneFile::open(&options.scene)?;
     if options.list {
         list(&file);
         return Ok(());
     }
-    let shot = file.shot(options.shot.as_deref())?;
-    let camera = options.quality.camera(shot)?;
+    let name = options.shot.as_deref();
+    let moving = name.and_then(|name| file.frames(name));
+    let (Some(Frames([first, last])), Some(name)) = (options.frames, name) else {
+        if options.frames.is_some() {
+            return Err(anyhow!("--frames needs a --shot that moves").into());
+        }
+        if let Some(frames) = moving {
+            let (first, last) = (frames.start(), frames.end());
+            say(format_args!("the shot moves; this is frame {first} (--frames {first}..{last} takes them all)"));
+        }
+        return take(options, &file, file.shot(name)?, &options.outputs(None));
+    };
+    if moving.is_none() {
+        return Err(anyhow!("the shot {name:?} does not move: it has no keys").into());
+    }
+    for frame in first..=last {
+        let outputs = options.outputs(Some(frame));
+        if options.long.is_resumed() && outputs.truth.exists() && outputs.rgbd.exists() {
+            say(format_args!("frame {frame} is there already"));
+            continue;
+        }
+        say(format_args!("frame {frame} of {first}..{last}"));
+        take(options, &file, &file.shot_at(name, frame)?, &outputs)?;
+    }
+    Ok(())
+}
 
-    // Name the files after scene and shot
-    let scene = options.scene.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-    let name = [Some(scene), options.shot.clone()]
-        .into_iter()
-        .flatten()
-        .collect::<Vec<_>>()
-        .join("_")
-        .replace(['/', '\\'], "_");
-    let name_of_part = options.long.name_of_part();
-    let ending = if options.long.is_part() { "part.exr" } else { "exr" };
-    let truth_path = options.output.clone().unwrap_or_else(|| format!("out/{name}{name_of_part}.{ending}").into());
-    let rgbd_path = options.rgbd.clone().unwrap_or_else(|| format!("out/{name}_rgbd.exr").into());
-    expect_exr(&truth_path)?;
-    expect_exr(&rgbd_path)?;
-    let outputs = [Some(truth_path.as_path()), Some(rgbd_path.as_path()), options.png.as_deref()];
-    let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
-    refuse_overwriting(&[&options.scene], &outputs)?;
-    for output in outputs {
-        make_folder_of(output)?;
+impl Options {
+    /// What is written where, of a still picture or of a frame: named after scene and shot unless the user named it.
+    fn outputs(&self, frame: Option<i64>) -> Outputs {
+        let scene = self.scene.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
+        let name = [Some(scene), self.shot.clone()].into_iter().flatten().collect::<Vec<_>>().join("_");
+        let name = name.replace(['/', '\\'], "_");
+        let name_of_part = self.long.name_of_part();
+        let ending = if self.long.is_part() { "part.exr" } else { "exr" };
+        let truth = self.output.clone().unwrap_or_else(|| format!("out/{name}{name_of_part}.{ending}").into());
+        let rgbd = self.rgbd.clone().unwrap_or_else(|| format!("out/{name}_rgbd.exr").into());
+        let of_frame = |path: PathBuf| match frame {
+            Some(frame) => numbered(&path, frame),
+            None => path,
+        };
+        Outputs { truth: of_frame(truth), rgbd: of_frame(rgbd), png: self.png.clone().map(of_frame) }
+    }
+}
+
+/// Renders one picture.
+fn take(options: &Options, file: &SceneFile, shot: &Shot, outputs: &Outputs) -> Outcome {
+    let camera = options.quality.camera(shot)?;
+    expect_exr(&outputs.truth)?;
+    expect_exr(&outputs.rgbd)?;
+    let paths = [Some(outputs.truth.as_path()), Some(outputs.rgbd.as_path()), outputs.png.as_deref()];
+    let paths: Vec<&Path> = paths.into_iter().flatten().collect();
+    refuse_overwriting(&[&options.scene], &paths)?;
+    for path in paths {
+        make_folder_of(path)?;
     }
     let lens = lens_in_metres(shot, file.scene())?;
     let sensor = lens.map(|lens| sensor_mm(&camera, &lens));
@@ -90,24 +134,24 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let write = write_options(options.compression, lens.as_ref(), sensor, notes(from));
 
     // Trace, and write each file as soon as it can be
-    let place = options.long.place_of_part(&truth_path);
-    let job = options.long.run(&file, &camera, &options.quality, &place, &write)?;
+    let place = options.long.place_of_part(&outputs.truth);
+    let job = options.long.run(file, &camera, &options.quality, &place, &write)?;
     options.quality.say_noise(job.sums());
     if options.long.is_part() {
         return Ok(());
     }
     let truth = job.into_sums().to_truth()?;
-    write_truth(&truth_path, &truth, &write)?;
-    say(format_args!("wrote {}", truth_path.display()));
+    write_truth(&outputs.truth, &truth, &write)?;
+    say(format_args!("wrote {}", outputs.truth.display()));
     options.long.finish(&place)?;
-    if let Some(png) = &options.png {
+    if let Some(png) = &outputs.png {
         write_png(png, &truth.picture(), options.exposure)?;
         say(format_args!("wrote {}", png.display()));
     }
     let layered = options.quality.layers(file.scene(), &camera)?;
     say_layers(&layered);
-    write_frame(&rgbd_path, &layered.frame, &write)?;
-    say(format_args!("wrote {}", rgbd_path.display()));
+    write_frame(&outputs.rgbd, &layered.frame, &write)?;
+    say(format_args!("wrote {}", outputs.rgbd.display()));
     Ok(())
 }
 

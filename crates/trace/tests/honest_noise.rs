@@ -1,4 +1,5 @@
 //! What the noise of a picture is said to be is what it is, and samples that are put where they count leave no bias.
+#![allow(clippy::print_stdout)] // tests say what they measured
 
 mod lit_spheres;
 

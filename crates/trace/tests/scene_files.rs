@@ -33,7 +33,7 @@ fn the_documented_example_is_a_scene() {
     let file = parse(example).unwrap();
     assert_eq!(file.description(), "What a reader wants to know");
     assert_eq!(file.scene().metres_per_unit(), Some(0.01));
-    assert_eq!(file.shots().keys().collect::<Vec<_>>(), ["large", "pinhole", "tilt"]);
+    assert_eq!(file.shots().keys().collect::<Vec<_>>(), ["large", "pinhole", "rack", "tilt"]);
     // 12 mm f/2.8 at 10 mm a unit: R = 1.2 / 5.6 units
     let base = file.shot(None).unwrap();
     assert!((base.camera.iris.radius() - 1.2 / 5.6).abs() < 1e-12);
@@ -46,6 +46,50 @@ fn the_documented_example_is_a_scene() {
     assert!((tilt.lens.unwrap().focal_length() - 1.2).abs() < 1e-9);
     let large = file.shot(Some("large")).unwrap();
     assert_eq!((large.camera.film.width(), large.camera.focus), (1280, tilt.camera.focus));
+}
+
+#[test]
+fn a_shot_moves_from_key_to_key() {
+    let keys = "[lens]\nfocal_length = 0.2\nfocus = { distance = 9 }\n[shots.a]\n\
+        [[shots.a.keys]]\nframe = 0\nlens.tilt_deg = 0\nlens.focus = { distance = 4 }\ncamera.position = [0, 0, 0]\n\
+        [[shots.a.keys]]\nframe = 10\nlens.tilt_deg = 5\n\
+        [[shots.a.keys]]\nframe = 20\nlens.focus = { distance = 8.0 }\n\
+        [shots.b]\nfrom = \"a\"\nfilm.size = [32, 16]\n[shots.still]\nlens.focus = { distance = 9 }\n";
+    let file = parse(&format!("format = 1\n{CAMERA}{keys}")).unwrap();
+    assert_eq!((file.frames("a"), file.frames("still")), (Some(0..=20), None));
+    let focus = |frame| {
+        let shot = file.shot_at("a", frame).unwrap();
+        1.0 / shot.camera.focus.inverse_depth(DVec2::ZERO)
+    };
+    let tilt = |frame| file.shot_at("a", frame).unwrap().lens.unwrap().axis().y.asin().to_degrees();
+    for (frame, z, degrees) in [(-5, 4.0, 0.0), (0, 4.0, 0.0), (5, 5.0, 2.5), (15, 7.0, 5.0), (20, 8.0, 5.0)] {
+        assert!((focus(frame) - z).abs() < 1e-9, "{frame}: {}", focus(frame));
+        assert!((tilt(frame) + degrees).abs() < 1e-9, "{frame}: {}", tilt(frame));
+    }
+    // One that builds on it moves in the same way, and the list shows where it starts
+    let small = file.shot_at("b", 15).unwrap().camera;
+    assert_eq!((small.focus, small.film.width()), (file.shot_at("a", 15).unwrap().camera.focus, 32));
+    assert_eq!(file.shots()["a"], file.shot_at("a", 0).unwrap());
+    assert_eq!(&file.shot_at("still", 7).unwrap(), file.shot(Some("still")).unwrap());
+}
+
+#[test]
+fn keys_that_cannot_be_are_refused_with_their_frame() {
+    let keys = |keys: &str| {
+        let shot = "[lens]\nfocus = { distance = 9 }\nfocal_length = 0.2\n[shots.a]\n";
+        parse(&format!("format = 1\n{CAMERA}{shot}{keys}"))
+    };
+    let key = |frame: i64, line: &str| format!("[[shots.a.keys]]\nframe = {frame}\n{line}\n");
+    fails(keys(&(key(2, "") + &key(2, ""))), &["[shots.a]", "in the order of their frames"]);
+    fails(keys(&(key(0, "film.size = [8, 8]"))), &["[shots.a]", "size of the film"]);
+    let kinds = key(0, "lens.focus = \"infinity\"") + &key(9, "lens.focus = { distance = 8 }");
+    fails(keys(&kinds), &["[shots.a], frame 0", "focus is not of one kind"]);
+    fails(keys(&key(3, "lens.tild_deg = 3")), &["[shots.a], frame 3", "tild_deg"]);
+    // In the middle the camera would stand on what it looks at
+    let through = key(0, "camera.position = [0, 0, 1]") + &key(4, "camera.position = [0, 0, -3]");
+    fails(keys(&through), &["[shots.a], frame 2"]);
+    fails(keys(&key(9_999_999, "")), &["[shots.a]", "1000000"]);
+    fails(keys("[[shots.a.keys]]\nlens.tilt_deg = 1\n"), &["missing field `frame`"]);
 }
 
 #[test]

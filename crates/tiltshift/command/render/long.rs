@@ -41,6 +41,11 @@ impl Long {
         self.samples.is_some() || self.crop.is_some()
     }
 
+    /// Whether what is there already shall be gone on with.
+    pub(crate) fn is_resumed(&self) -> bool {
+        self.resume
+    }
+
     /// What a part's name says of it.
     pub(crate) fn name_of_part(&self) -> String {
         let samples = self.samples.map(|SampleRange(range)| format!("_{}-{}", range[0], range[1]));

@@ -1,5 +1,6 @@
 //! Scene files: TOML in, scene and cameras out. `data/scenes/FORMAT.md` documents the format.
 
+mod animation;
 mod error;
 mod gltf_mesh;
 mod mesh;

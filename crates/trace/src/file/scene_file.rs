@@ -1,11 +1,13 @@
 //! A scene file, read and checked.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec3};
 use toml::Spanned;
 
+use super::animation::Animation;
 use super::error::{Fault, FileError};
 use super::mesh::Mesh;
 use super::shot::{Shot, ShotTables};
@@ -23,6 +25,15 @@ pub struct SceneFile {
     fingerprint: u32,
     base: Option<Shot>,
     shots: BTreeMap<String, Shot>,
+    animated: BTreeMap<String, Animated>,
+}
+
+/// A shot that moves.
+#[derive(Debug, Clone)]
+struct Animated {
+    description: String,
+    tables: ShotTables,
+    animation: Animation,
 }
 
 impl SceneFile {
@@ -50,15 +61,30 @@ impl SceneFile {
         } else {
             None
         };
-        let mut shots = BTreeMap::new();
+        let (mut shots, mut animated) = (BTreeMap::new(), BTreeMap::new());
         for (name, shot) in &spec.shots {
-            let tables = reader.shot_tables(shot, &tables)?;
-            let resolved = tables.resolve(&shot.description, spec.metres_per_unit);
-            let resolved = resolved.map_err(|fault| reader.part(&format!("[shots.{name}]"), &fault))?;
-            shots.insert(name.clone(), resolved);
+            let part = format!("[shots.{name}]");
+            let (tables, animation) = reader.shot_tables(shot, &tables)?;
+            let animation = animation.map_err(|fault| reader.part(&part, &fault))?;
+            let resolved = match animation {
+                None => tables.resolve(&shot.description, spec.metres_per_unit),
+                Some(animation) => {
+                    let moving = Animated { description: shot.description.clone(), tables, animation };
+                    // Every frame must be one: find out now, not in the middle of the night
+                    for frame in moving.animation.frames() {
+                        let resolved = moving.at(frame, spec.metres_per_unit);
+                        resolved.map_err(|fault| reader.part(&format!("{part}, frame {frame}"), &fault))?;
+                    }
+                    let first = moving.at(*moving.animation.frames().start(), spec.metres_per_unit);
+                    animated.insert(name.clone(), moving);
+                    first
+                }
+            };
+            shots.insert(name.clone(), resolved.map_err(|fault| reader.part(&part, &fault))?);
         }
         let (scene, fingerprint) = reader.scene()?;
-        Ok(Self { path: path.into(), description: spec.description.clone(), scene, fingerprint, base, shots })
+        let description = spec.description.clone();
+        Ok(Self { path: path.into(), description, scene, fingerprint, base, shots, animated })
     }
 
     /// What the file says about itself.
@@ -80,7 +106,22 @@ impl SceneFile {
         self.fingerprint
     }
 
-    /// The shots by name.
+    /// The frames of a shot that moves, from its first key to its last.
+    #[must_use]
+    pub fn frames(&self, shot: &str) -> Option<RangeInclusive<i64>> {
+        Some(self.animated.get(shot)?.animation.frames())
+    }
+
+    /// A shot in one of its frames; before its first key and after its last it stands still, and one without keys always
+    /// does.
+    pub fn shot_at(&self, name: &str, frame: i64) -> Result<Shot, FileError> {
+        let Some(moving) = self.animated.get(name) else { return self.shot(Some(name)).cloned() };
+        let part = format!("[shots.{name}], frame {frame}");
+        let fault = |fault: Fault| FileError::Part { path: self.path.clone(), part, message: fault.to_string() };
+        moving.at(frame, self.scene.metres_per_unit()).map_err(fault)
+    }
+
+    /// The shots by name; of one that moves the first frame.
     #[must_use]
     pub fn shots(&self) -> &BTreeMap<String, Shot> {
         &self.shots
@@ -97,6 +138,12 @@ impl SceneFile {
             name: name.unwrap_or("(the file's own camera)").to_owned(),
             known: names(&self.shots),
         })
+    }
+}
+
+impl Animated {
+    fn at(&self, frame: i64, metres_per_unit: Option<f64>) -> Result<Shot, Fault> {
+        self.animation.over(&self.tables, frame)?.resolve(&self.description, metres_per_unit)
     }
 }
 
@@ -130,8 +177,12 @@ impl Reader<'_> {
         })
     }
 
-    /// A shot's tables over those of the shots it builds on, over the file's.
-    fn shot_tables(&self, shot: &ShotSpec, base: &ShotTables) -> Result<ShotTables, FileError> {
+    /// A shot's tables over those of the shots it builds on, over the file's, and the keys of the nearest that has some.
+    fn shot_tables(
+        &self,
+        shot: &ShotSpec,
+        base: &ShotTables,
+    ) -> Result<(ShotTables, Result<Option<Animation>, Fault>), FileError> {
         // Follow the chain to its end
         let mut chain = vec![shot];
         while let Some(from) = chain.last().and_then(|shot| shot.from.as_ref()) {
@@ -140,11 +191,14 @@ impl Reader<'_> {
             }
             chain.push(self.find("shot", from, &self.spec.shots)?);
         }
-        Ok(chain.iter().rev().fold(base.clone(), |base, shot| ShotTables {
+        let tables = chain.iter().rev().fold(base.clone(), |base, shot| ShotTables {
             camera: shot.camera.over(&base.camera),
             lens: shot.lens.over(&base.lens),
             film: shot.film.over(&base.film),
-        }))
+        });
+        let ease = chain.iter().find_map(|shot| shot.ease).unwrap_or_default();
+        let moving = chain.iter().find(|shot| !shot.keys.is_empty());
+        Ok((tables, moving.map(|shot| Animation::new(&shot.keys, ease)).transpose()))
     }
 
     /// The scene and its fingerprint.

@@ -120,6 +120,30 @@ pub(crate) struct ShotSpec {
     pub(crate) lens: LensSpec,
     #[serde(default)]
     pub(crate) film: FilmSpec,
+    #[serde(default)]
+    pub(crate) keys: Vec<KeySpec>,
+    pub(crate) ease: Option<EaseSpec>,
+}
+
+/// What a shot sets in one frame; the tables are read once they are known for a frame.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct KeySpec {
+    pub(crate) frame: i64,
+    #[serde(default)]
+    pub(crate) camera: toml::Table,
+    #[serde(default)]
+    pub(crate) lens: toml::Table,
+    #[serde(default)]
+    pub(crate) film: toml::Table,
+}
+
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum EaseSpec {
+    #[default]
+    Linear,
+    Smooth,
 }
 
 /// Declares a table all of whose keys may be missing, and may be laid over another of its kind.
