@@ -129,3 +129,25 @@ fn a_part_of_another_render_is_not_gone_on_with_nor_lost() {
     run(&mut render(folder.path(), "whole.exr", &["--spp", "128"]));
     assert!(truth(&folder.path().join("x.exr")) == truth(&folder.path().join("whole.exr")));
 }
+
+#[test]
+fn frames_of_a_moving_shot_are_numbered_and_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes/simple.toml");
+    let keys = "[shots.rack]\n[[shots.rack.keys]]\nframe = 1\nlens.focus = { distance = 8 }\n\
+        [[shots.rack.keys]]\nframe = 3\nlens.focus = { distance = 14 }\n";
+    let text = std::fs::read_to_string(scene).unwrap() + keys;
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    let frames = |range: &str, more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tiltshift"));
+        command.current_dir(folder.path()).args(["render", "s.toml", "--shot", "rack", "--frames", range]).args(more);
+        command.args(["--size", "48x27", "--spp", "8", "--rgbd-spp", "2", "--rgbd", "d.##.exr"]);
+        command
+    };
+    run(&mut frames("1..2", &[]));
+    assert!(folder.path().join("out/s_rack_0002.exr").exists() && folder.path().join("d.02.exr").exists());
+    let said = run(&mut frames("1..3", &["--resume"]));
+    assert!(said.contains("frame 2 is there already") && said.contains("out/s_rack_0003.exr"), "{said}");
+    let picture = |name: &str| truth(&folder.path().join(name)).picture();
+    assert!(picture("out/s_rack_0001.exr") != picture("out/s_rack_0003.exr"), "the focus moves");
+}
