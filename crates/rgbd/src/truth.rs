@@ -15,7 +15,7 @@ pub struct Truth {
     pub camera: Option<Camera>,
     /// The two half pictures, of one window.
     pub halves: [Picture; 2],
-    /// Samples per pixel in each half.
+    /// Samples per pixel in each half; where pixels have different numbers, equal in both halves, the fewest.
     pub samples: [u32; 2],
 }
 

@@ -1,4 +1,4 @@
-//! How fast the tracer is, in CPU time of one thread: build, camera samples, and single rays of a file.
+//! How fast the tracer is, in CPU time of one thread: build, camera samples, time to a noise, and single rays of a file.
 //!
 //! ```text
 //! cargo run --release -p trace --example ray_speed -- MESH.obj [SPP [RAYS]]
@@ -16,7 +16,7 @@ use std::path::Path;
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
 use rgbd::{PixelWindow, Silent};
-use trace::{Light, Material, Ray, Scene, SceneBuilder};
+use trace::{Goal, Job, Light, Material, Ray, Scene, SceneBuilder};
 
 const WINDOW: PixelWindow = PixelWindow { x: 0, y: 0, width: 1280, height: 720 };
 const TOWARD_SUN: DVec3 = DVec3::new(-0.45, 1.0, 0.35);
@@ -39,6 +39,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         let rate = WINDOW.area() as f64 * f64::from(spp) / seconds * 1e-6;
         let noise = truth?.noise_rmse(WINDOW);
         println!("{spp} spp: {seconds:.3} CPU s, {:.2} M samples per 2 CPU s, noise {noise:.5}", 2.0 * rate);
+    }
+
+    // How long the noise takes to come down, where samples count and with the same number everywhere
+    for rmse in [0.01, 0.005] {
+        let mut job = Job::new(camera, WINDOW, 1);
+        let goal = Goal::Noise { rmse, most: 1 << 14 };
+        let (result, seconds) = pool.install(|| timed(|| job.run(&scene, &goal, &Silent)));
+        result?;
+        let sums = job.sums();
+        let mean = sums.samples() as f64 / WINDOW.area() as f64;
+        println!("noise {rmse}: {seconds:.2} CPU s, {mean:.1} spp on average, noise {:.5}", sums.noise());
     }
 
     // The same kind of rays one by one
