@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::channel_name::ChannelName;
-use crate::choose_color::{ColorGroup, choose_color, color_groups, hidden_groups};
+use crate::choose_color::{ColorGroup, alpha_alone, choose_color, color_groups, hidden_groups};
 use crate::choose_depth::choose_depth;
 use crate::survey::ChannelIndex;
 use crate::{Choice, ReadError, ReadOptions, Survey};
@@ -29,7 +29,11 @@ pub(crate) fn choose(path: &Path, survey: &Survey, options: &ReadOptions, with_d
 
     // Choose colour, then the depth that belongs to it
     let groups = color_groups(&names);
-    let (color, mut reason) = choose_color(path, survey, options, &groups)?;
+    let (mut color, mut reason) = choose_color(path, survey, options, &groups)?;
+    if let Some(alpha) = alpha_alone(survey, &names, &color) {
+        color.alpha = Some(alpha);
+        reason = format!("{reason}, {} is its alpha", survey.label(alpha));
+    }
     let mut depth = None;
     let mut depth_copies = Vec::new();
     let mut hidden = Vec::new();

@@ -65,6 +65,20 @@ pub(crate) fn color_groups(names: &[ChannelName]) -> Vec<ColorGroup> {
     groups.collect()
 }
 
+/// Alpha that stands alone in a part that is named as a picture, for colour that has none in its own: some programs write
+/// `R G B` and `A` as two parts.
+pub(crate) fn alpha_alone(survey: &Survey, names: &[ChannelName], color: &ColorGroup) -> Option<ChannelIndex> {
+    let is_alone = |name: &&ChannelName| {
+        let part = &survey.parts[name.at.part];
+        name.color_index() == Some(3) && part.channels.len() == 1 && !part.deep
+    };
+    let mut found = names.iter().filter(is_alone).filter(|name| beauty_rank(&name.layer) <= 1);
+    match (color.alpha, found.next(), found.next()) {
+        (None, Some(alpha), None) if !survey.parts[color.part].deep => Some(alpha.at),
+        _ => None,
+    }
+}
+
 /// The luminance of a layer that has no colour beside it: no red, green or blue, no chroma, and no X of a vector.
 fn luminance(names: &[ChannelName], (part, layer, view): (usize, &str, Option<&str>)) -> Option<ChannelIndex> {
     let mut grey = None;

@@ -159,6 +159,14 @@ pub(crate) fn refusal(path: &Path, error: exr::error::Error) -> ReadError {
             what: what.into_owned(),
             remedy: "write it as a flat OpenEXR 2 file",
         },
+        exr::error::Error::Invalid(what) => {
+            let reason = match what.as_ref() {
+                "reference to missing bytes" => "it ends too early".to_owned(),
+                "file identifier missing" => "it does not start like one".to_owned(),
+                what => format!("invalid {what}"),
+            };
+            ReadError::Damaged { path: path.into(), reason }
+        }
         error => ReadError::Damaged { path: path.into(), reason: error.to_string() },
     }
 }

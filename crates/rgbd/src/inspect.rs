@@ -30,7 +30,7 @@ pub struct Inspection {
     pub frame: Result<Understood, ReadError>,
     /// The colour that would be read, where that is all.
     pub picture: Option<Choice>,
-    /// Whether red, green and blue of that picture are the same in every pixel: it may be depth.
+    /// Whether red, green and blue of that picture are the same in every pixel, and not one even grey: it may be depth.
     pub picture_is_grey: bool,
 }
 
@@ -73,7 +73,8 @@ pub fn inspect(path: &Path, options: &ReadOptions) -> Result<Inspection, ReadErr
         let planes = settled(file.planes_of_whole_file(&wanted.map(Vec::from).unwrap_or_default()))?;
         if let Ok([r, g, b]) = planes.as_deref() {
             let is_same = |a: &Plane, b: &Plane| a.values().iter().zip(b.values()).all(|(a, b)| a == b || a.is_nan());
-            picture_is_grey = is_same(r, g) && is_same(g, b);
+            let is_even = r.values().windows(2).all(|pair| pair[0] == pair[1]);
+            picture_is_grey = !is_even && is_same(r, g) && is_same(g, b);
         }
         picture = plan.map(|plan| plan.choice);
     }

@@ -5,7 +5,8 @@
 //!
 //! [`write_frame`], [`write_picture`] and [`write_truth`] make OpenEXR files that [`read_frame`], [`read_picture`] and
 //! [`read_truth`] give back bit for bit. The readers also take other programs' files: the header is surveyed, a
-//! [`Choice`] of channels is made that says why, and what they hold is brought to this crate's conventions.
+//! [`Choice`] of channels is made that says why, and what they hold is brought to this crate's conventions; deep pixels
+//! become layers. [`inspect`] tells all of that without making a frame.
 //!
 //! ```
 //! use rgbd::{Frame, Layer, Picture, PixelWindow, Plane, ReadOptions, WriteOptions, read_frame, write_frame};

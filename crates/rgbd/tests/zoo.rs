@@ -203,6 +203,20 @@ fn depth_three_times_must_be_the_same_three_times() {
 }
 
 #[test]
+fn alpha_may_be_a_part_of_its_own() {
+    let window = PixelWindow::of_size(4, 2);
+    let value = |name, value: f32| floats(name, (4, 2), move |_| value);
+    let parts = vec![
+        part("rgb", window, list![value("B", 0.3), value("G", 0.2), value("R", 0.1)]),
+        part("RGBA", window, list![value("A", 0.5)]),
+        part("depth", window, list![value("Z", 4.0)]),
+    ];
+    let loaded = read((4, 2), parts).unwrap();
+    assert_eq!(loaded.value.layers()[0].color.at(1, 1), [0.1, 0.2, 0.3, 0.5]);
+    assert!(loaded.choice.reason.contains("RGBA/A is its alpha"), "{}", loaded.choice);
+}
+
+#[test]
 fn names_may_be_long_have_spaces_and_a_view() {
     let layer = format!("View Layer.{}", "a very long name ".repeat(11));
     let names = ["R", "G", "B"].map(|base| format!("{layer}.Combined.{base}"));
