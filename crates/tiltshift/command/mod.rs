@@ -3,5 +3,6 @@
 pub(crate) mod compare;
 pub(crate) mod demo;
 pub(crate) mod filter;
+pub(crate) mod info;
 pub(crate) mod lens;
 pub(crate) mod render;
