@@ -153,7 +153,7 @@ fn windows_of_parts_may_differ_in_every_way() {
         assert_eq!((frame.display, frame.data()), (PixelWindow::of_size(20, 12), color));
         let layer = &frame.layers()[0];
         for (x, y) in color.pixels() {
-            let wanted = depth.contains(x, y).then(|| 100.0 + x as f32 + 0.01 * y as f32);
+            let wanted = depth.contains(x, y).then_some(100.0 + x as f32 + 0.01 * y as f32);
             let found = layer.known.at(x, y).then(|| layer.depth.at(x, y));
             assert_eq!(found, wanted, "({x}, {y}) of {color} and {depth}");
         }

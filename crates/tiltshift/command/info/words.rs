@@ -128,7 +128,7 @@ fn describe_frame(f: &mut fmt::Formatter<'_>, understood: &Understood) -> fmt::R
     let depth = understood.depth;
     match depth.range {
         Some([near, far]) => {
-            line(f, "depth range", format_args!("{} to {} ({})", number(near), number(far), understood.depth_kind))?
+            line(f, "depth range", format_args!("{} to {} ({})", number(near), number(far), understood.depth_kind))?;
         }
         None => line(f, "depth range", "no pixel has a finite depth")?,
     }
