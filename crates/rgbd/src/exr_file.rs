@@ -2,14 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use exr::io::Tracking;
 use exr::meta::MetaData;
 
 use crate::flat_blocks::decode_parts;
-use crate::guard::guarded;
+use crate::headers::read_headers;
 use crate::survey::ChannelIndex;
 use crate::{PartSurvey, PixelWindow, Plane, ReadError, SampleKind, Survey};
 
@@ -29,9 +27,7 @@ impl ExrFile {
         let io = |source| ReadError::Io { path: path.into(), source };
         let file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
-        let mut bytes = Tracking::new(BufReader::new(file));
-        let meta = guarded(|| MetaData::read_from_buffered(&mut bytes, false)).map_err(|error| refusal(path, error))?;
-        let tables_at = bytes.byte_position() as u64;
+        let (meta, tables_at) = read_headers(file).map_err(|error| refusal(path, error))?;
         let damaged = |reason: &str| ReadError::Damaged { path: path.into(), reason: reason.into() };
         if meta.headers.is_empty() {
             return Err(damaged("it has no part"));

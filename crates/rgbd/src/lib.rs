@@ -57,6 +57,7 @@ mod flat_blocks;
 mod frame;
 mod guard;
 mod head;
+mod headers;
 mod inspect;
 mod lens_attributes;
 mod offset_table;

@@ -169,6 +169,16 @@ fn a_deep_picture_without_depth_asked_for_is_flattened() {
 }
 
 #[test]
+fn a_largest_number_of_samples_that_is_not_known_does_no_harm() {
+    let mut bytes = DeepFile::of_floats(Compression::RLE, [0, 0, 9, 4]).bytes(many);
+    let wanted = read(&bytes, &ReadOptions::default()).unwrap();
+    let name = b"maxSamplesPerPixel\0int\0\x04\0\0\0";
+    let at = bytes.windows(name.len()).position(|part| part == name).unwrap() + name.len();
+    bytes[at..at + 4].copy_from_slice(&(-1_i32).to_le_bytes());
+    assert_eq!(read(&bytes, &ReadOptions::default()).unwrap().value, wanted.value);
+}
+
+#[test]
 fn a_deep_file_cut_short_anywhere_is_damaged() {
     for (packing, tile) in [(Compression::Uncompressed, None), (Compression::ZIP1, None), (Compression::RLE, Some(4))] {
         let file = DeepFile { tile, ..DeepFile::of_floats(packing, [0, 0, 9, 7]) };

@@ -252,3 +252,31 @@ fn luminance_with_chroma_is_refused_by_name_and_alone_is_grey() {
     let loaded = read((4, 2), vec![part("", PixelWindow::of_size(4, 2), grey)]).unwrap();
     assert_eq!(loaded.value.layers()[0].color.at(1, 1), [5.0, 5.0, 5.0, 1.0]);
 }
+
+#[test]
+fn a_file_in_xyz_keeps_its_primaries_and_is_shown_in_those_of_the_screen() {
+    // X, Y and Z of Rec. 709's own white and of its red (IEC 61966-2-1) in the channels R, G, B
+    let (white, red) = ([0.9505, 1.0, 1.0891], [0.4124, 0.2126, 0.0193]);
+    let channels = ["R", "G", "B"].into_iter().enumerate();
+    let channels = channels.map(|(c, name)| floats(name, (2, 1), move |i| if i == 0 { white[c] } else { red[c] }));
+    let channels = channels.chain([floats("Z", (2, 1), |_| 1.0)]).collect();
+    let xyz = exr::meta::attribute::Chromaticities {
+        red: Vec2(1.0, 0.0),
+        green: Vec2(0.0, 1.0),
+        blue: Vec2(0.0, 0.0),
+        white: Vec2(1.0 / 3.0, 1.0 / 3.0),
+    };
+    let (_folder, path) = place();
+    let window = IntegerBounds::new(Vec2(0, 0), (2, 1));
+    let attributes = ImageAttributes { chromaticities: Some(xyz), ..ImageAttributes::new(window) };
+    let part = part("", PixelWindow::of_size(2, 1), channels);
+    Image::from_layers(attributes, Layers::from(vec![part])).write().to_file(&path).unwrap();
+    let frame = read_frame(&path, &ReadOptions::default()).unwrap().value;
+    assert_eq!((frame.primaries.red, frame.layers()[0].color.at(0, 0)[0]), ([1.0, 0.0], white[0]));
+    let shown = frame.layers()[0].color.to_rec709(&frame.primaries);
+    const PRINTED: f32 = 1e-3; // four digits
+    for (x, wanted) in [(0, [1.0, 1.0, 1.0, 1.0]), (1, [1.0, 0.0, 0.0, 1.0])] {
+        let found = shown.at(x, 0);
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < PRINTED), "{found:?} is not {wanted:?}");
+    }
+}
