@@ -103,7 +103,7 @@ pub(crate) fn kept_window(data: PixelWindow, display: PixelWindow) -> PixelWindo
 }
 
 /// An error unless the channels that should repeat the depth do.
-fn check_copies(file: &ExrFile, plan: &Plan, depth: &Plane, copies: &[Plane]) -> Result<(), ReadError> {
+pub(crate) fn check_copies(file: &ExrFile, plan: &Plan, depth: &Plane, copies: &[Plane]) -> Result<(), ReadError> {
     let same = |copy: &Plane| copy.values().iter().zip(depth.values()).all(|(a, b)| a.to_bits() == b.to_bits());
     if copies.iter().all(same) {
         return Ok(());

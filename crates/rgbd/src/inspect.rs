@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::attributes::{file_kind, head, lens_attributes, notes};
 use crate::choose::{Plan, choose};
-use crate::convert::{convert_frame, film, fitted, kept_window};
+use crate::convert::{check_copies, convert_frame, film, fitted, kept_window};
 use crate::deep::DeepTally;
 use crate::depth_convention::DepthReading;
 use crate::encode_exr::FileKind;
@@ -105,8 +105,11 @@ fn understand(file: &ExrFile, mut plan: Plan, head: &Head, options: &ReadOptions
     }
     let film = film(file, head, options)?;
     let reading = DepthReading::new(options.convention, file.kind(at), film.map(|film| (film, head.display)));
-    let wanted: Vec<_> = std::iter::once(at).chain(plan.color.alpha).collect();
-    let mut planes = file.planes_of_whole_file(&wanted)?.into_iter().map(|plane| fitted(plane, window, 0.0));
+    let wanted = std::iter::once(at).chain(plan.color.alpha).chain(plan.depth_copies.iter().copied());
+    let mut planes = file.planes_of_whole_file(&wanted.collect::<Vec<_>>())?;
+    let copies = planes.split_off(planes.len() - plan.depth_copies.len());
+    check_copies(file, &plan, &planes[0], &copies)?;
+    let mut planes = planes.into_iter().map(|plane| fitted(plane, window, 0.0));
     let stored = planes.next().expect("a plane for each channel asked for");
     let alpha = planes.next();
     let alpha = |i: usize| alpha.as_ref().map_or(1.0, |alpha| alpha.values()[i]);

@@ -58,7 +58,15 @@ fn read(
     let (_folder, path) = place();
     let attributes = ImageAttributes::new(IntegerBounds::new(Vec2(0, 0), display));
     Image::from_layers(attributes, Layers::from(parts)).write().to_file(&path).unwrap();
-    read_frame(&path, &ReadOptions::default())
+    let loaded = read_frame(&path, &ReadOptions::default());
+    // An inspection finds what reading does
+    let understood = inspect(&path, &ReadOptions::default()).unwrap().frame;
+    match (&loaded, &understood) {
+        (Ok(loaded), Ok(understood)) => assert_eq!(loaded.choice, understood.choice),
+        (Err(refused), Err(found)) => assert_eq!(refused.to_string(), found.to_string()),
+        _ => panic!("reading gave {:?}, inspecting {understood:?}", loaded.as_ref().map(|loaded| &loaded.choice)),
+    }
+    loaded
 }
 
 #[test]
