@@ -35,6 +35,8 @@ enum Command {
     Filter(Box<command::filter::Options>),
     /// Say how far pictures are from a reference, and where.
     Compare(command::compare::Options),
+    /// Say what a picture file holds, and what would be taken as its colour and depth.
+    Info(command::info::Options),
     /// Say what a lens setting means: plane of focus, hinge, depth of field.
     Lens(command::lens::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
@@ -43,6 +45,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    hush_the_decoder();
     console::listen_for_interrupts();
     match run(cli.command) {
         Ok(()) => ExitCode::SUCCESS,
@@ -53,12 +56,23 @@ fn main() -> ExitCode {
     }
 }
 
+/// Keeps quiet about panics of the decoder of EXR files: the reader catches them, and says in a sentence what they mean.
+fn hush_the_decoder() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !panic.location().is_some_and(|place| place.file().contains("/exr-1.")) {
+            usual(panic);
+        }
+    }));
+}
+
 fn run(command: Command) -> Outcome {
     let outcome = match command {
         Command::Render(options) => command::render::run(&options),
         Command::Merge(options) => command::merge::run(&options),
         Command::Filter(options) => command::filter::run(&options),
         Command::Compare(options) => command::compare::run(&options),
+        Command::Info(options) => command::info::run(&options),
         Command::Lens(options) => command::lens::run(&options),
         Command::Demo(options) => command::demo::run(&options),
     };

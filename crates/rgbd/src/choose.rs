@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::channel_name::ChannelName;
-use crate::choose_color::{ColorGroup, choose_color, color_groups, hidden_groups};
+use crate::choose_color::{ColorGroup, alpha_alone, choose_color, color_groups, hidden_groups};
 use crate::choose_depth::choose_depth;
 use crate::survey::ChannelIndex;
 use crate::{Choice, ReadError, ReadOptions, Survey};
@@ -13,6 +13,8 @@ use crate::{Choice, ReadError, ReadOptions, Survey};
 pub(crate) struct Plan {
     pub(crate) color: ColorGroup,
     pub(crate) depth: Option<ChannelIndex>,
+    /// Channels that must repeat it, pixel for pixel.
+    pub(crate) depth_copies: Vec<ChannelIndex>,
     /// Hidden layers, each with its depth.
     pub(crate) hidden: Vec<(ColorGroup, ChannelIndex)>,
     pub(crate) choice: Choice,
@@ -27,14 +29,21 @@ pub(crate) fn choose(path: &Path, survey: &Survey, options: &ReadOptions, with_d
 
     // Choose colour, then the depth that belongs to it
     let groups = color_groups(&names);
-    let (color, mut reason) = choose_color(path, survey, options, &groups)?;
+    let (mut color, mut reason) = choose_color(path, survey, options, &groups)?;
+    if let Some(alpha) = alpha_alone(survey, &names, &color) {
+        color.alpha = Some(alpha);
+        reason = format!("{reason}, {} is its alpha", survey.label(alpha));
+    }
     let mut depth = None;
+    let mut depth_copies = Vec::new();
     let mut hidden = Vec::new();
-    if with_depth {
-        let (found, why) = choose_depth(path, survey, options, &names, &color)?;
-        depth = Some(found);
+    // Deep colour is flattened in the order of depth
+    if with_depth || survey.parts[color.part].deep {
+        let found = choose_depth(path, survey, options, &names, &color)?;
+        depth = Some(found.channel);
+        depth_copies = found.copies;
         hidden = hidden_groups(&names, &groups, &color);
-        reason = format!("{reason}; {why}, taken as {}", options.convention);
+        reason = format!("{reason}; {}, taken as {}", found.why, options.convention);
     }
     let choice = Choice {
         view,
@@ -43,7 +52,7 @@ pub(crate) fn choose(path: &Path, survey: &Survey, options: &ReadOptions, with_d
         hidden: hidden.iter().map(|(group, _)| group.layer.clone()).collect(),
         reason,
     };
-    Ok(Plan { color, depth, hidden, choice })
+    Ok(Plan { color, depth, depth_copies, hidden, choice })
 }
 
 /// The view asked for, or the file's first.

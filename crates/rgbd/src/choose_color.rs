@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::channel_name::{ChannelName, last_piece};
+use crate::choose_depth::names_depth;
 use crate::survey::ChannelIndex;
 use crate::{ReadError, ReadOptions, Survey};
 
@@ -21,6 +22,11 @@ impl ColorGroup {
         self.rgb.into_iter().chain(self.alpha)
     }
 
+    /// Whether one channel stands for all three.
+    fn is_grey(&self) -> bool {
+        self.rgb[0] == self.rgb[1]
+    }
+
     /// What to call it in a message.
     fn label(&self, survey: &Survey) -> String {
         let red = survey.label(self.rgb[0]);
@@ -30,12 +36,16 @@ impl ColorGroup {
     }
 }
 
-/// All layers with red, green and blue, in the order of the file; ids of objects in the guise of colours left out.
+/// All layers with red, green and blue, or with luminance alone, in the order of the file; ids of objects in the guise of colours left out.
 pub(crate) fn color_groups(names: &[ChannelName]) -> Vec<ColorGroup> {
     type Key<'a> = (usize, &'a str, Option<&'a str>);
     let mut found: Vec<(Key<'_>, [Option<ChannelIndex>; 4])> = Vec::new();
     for name in names {
-        let Some(index) = name.color_index() else { continue };
+        // Luminance makes a layer too
+        let index = name.color_index();
+        if index.is_none() && name.base != "Y" {
+            continue;
+        }
         if last_piece(&name.layer).to_ascii_lowercase().starts_with("crypto") {
             continue;
         }
@@ -44,12 +54,43 @@ pub(crate) fn color_groups(names: &[ChannelName]) -> Vec<ColorGroup> {
             found.push((key, [None; 4]));
             found.len() - 1
         });
-        found[place].1[index].get_or_insert(name.at);
+        if let Some(index) = index {
+            found[place].1[index].get_or_insert(name.at);
+        }
     }
-    let groups = found.into_iter().filter_map(|((part, layer, _), [r, g, b, alpha])| {
-        Some(ColorGroup { part, layer: layer.to_owned(), rgb: [r?, g?, b?], alpha })
+    let groups = found.into_iter().filter_map(|((part, layer, view), [r, g, b, alpha])| {
+        let grey = luminance(names, (part, layer, view));
+        Some(ColorGroup { part, layer: layer.to_owned(), rgb: [r.or(grey)?, g.or(grey)?, b.or(grey)?], alpha })
     });
     groups.collect()
+}
+
+/// Alpha that stands alone in a part that is named as a picture, for colour that has none in its own: some programs write
+/// `R G B` and `A` as two parts.
+pub(crate) fn alpha_alone(survey: &Survey, names: &[ChannelName], color: &ColorGroup) -> Option<ChannelIndex> {
+    let is_alone = |name: &&ChannelName| {
+        let part = &survey.parts[name.at.part];
+        name.color_index() == Some(3) && part.channels.len() == 1 && !part.deep
+    };
+    let mut found = names.iter().filter(is_alone).filter(|name| beauty_rank(&name.layer) <= 1);
+    match (color.alpha, found.next(), found.next()) {
+        (None, Some(alpha), None) if !survey.parts[color.part].deep => Some(alpha.at),
+        _ => None,
+    }
+}
+
+/// The luminance of a layer that has no colour beside it: no red, green or blue, no chroma, and no X of a vector.
+fn luminance(names: &[ChannelName], (part, layer, view): (usize, &str, Option<&str>)) -> Option<ChannelIndex> {
+    let mut grey = None;
+    let same = |name: &&ChannelName| name.at.part == part && name.layer == layer && name.view.as_deref() == view;
+    for name in names.iter().filter(same) {
+        match (name.base.as_str(), name.color_index()) {
+            ("Y", _) => grey = Some(name.at),
+            ("X" | "RY" | "BY", _) | (_, Some(0..=2)) => return None,
+            _ => {}
+        }
+    }
+    grey
 }
 
 /// The layer that is the picture, and why.
@@ -66,9 +107,14 @@ pub(crate) fn choose_color(
         return named_color(path, survey, groups, wanted);
     }
 
+    // Depth written as a grey picture is none, where there is another
+    let is_depth = |group: &&ColorGroup| names_depth(&group.layer);
+    let pictures: Vec<&ColorGroup> = groups.iter().filter(|group| !is_depth(group)).collect();
+    let groups: Vec<&ColorGroup> = if pictures.is_empty() { groups.iter().collect() } else { pictures };
+
     // Take the most picture-like names; of several with one name, the one with alpha
     let best = groups.iter().map(|group| beauty_rank(&group.layer)).min().unwrap_or(0);
-    let mut equals: Vec<&ColorGroup> = groups.iter().filter(|group| beauty_rank(&group.layer) == best).collect();
+    let mut equals: Vec<&ColorGroup> = groups.into_iter().filter(|group| beauty_rank(&group.layer) == best).collect();
     let with_alpha = equals.iter().filter(|group| group.alpha.is_some()).count();
     let mut passed_over = String::new();
     if equals.len() > 1 && with_alpha == 1 && best < LAST_RANK {
@@ -82,6 +128,7 @@ pub(crate) fn choose_color(
         return Err(ReadError::Ambiguous { path: path.into(), what: "colour", candidates, option: "--color" });
     };
     let reason = match best {
+        _ if group.is_grey() => format!("{} is a grey picture", survey.label(group.rgb[0])),
         0 => "R, G, B of the unnamed layer are the picture".to_owned(),
         LAST_RANK => format!("{} is the only layer with R, G and B", group.label(survey)),
         _ => format!("{} is named as a picture{passed_over}", group.label(survey)),

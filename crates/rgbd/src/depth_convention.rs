@@ -33,34 +33,48 @@ const NOTHING: f32 = 1e10;
 /// The largest finite half, to which a depth in a half channel saturates.
 const LARGEST_HALF: f32 = 65504.0;
 
-/// Planar depth in (0, +inf], or NaN where it is not known, from a channel as stored.
-///
-/// Zero where `alpha` is zero is empty background, infinitely far; zero elsewhere, negative depth and NaN are unknown.
-pub(crate) fn planar_depth(
-    raw: &Plane,
-    alpha: &Plane,
+/// How the stored numbers of a depth channel become planar depths.
+#[derive(Clone, Copy)]
+pub(crate) struct DepthReading<'a> {
     convention: DepthConvention,
-    kind: SampleKind,
-    film: Option<(&Film, PixelWindow)>,
-) -> Plane {
-    let sky = if kind == SampleKind::Half { LARGEST_HALF } else { NOTHING };
-    let far = |stored: f32| if stored >= sky { f32::INFINITY } else { stored };
-    let window = raw.window();
-    let mut depth = raw.clone();
-    for ((x, y), (z, &a)) in window.pixels().zip(depth.values_mut().iter_mut().zip(alpha.values())) {
-        *z = match convention {
-            _ if *z == 0.0 && a == 0.0 => f32::INFINITY,
-            DepthConvention::Planar => far(*z),
-            DepthConvention::Ray => far(*z) * cosine(film, x, y),
-            // 1 / -0 would be negative
-            DepthConvention::Inverse if *z == 0.0 => f32::INFINITY,
-            DepthConvention::Inverse => 1.0 / *z,
-        };
-        if *z <= 0.0 {
-            *z = f32::NAN;
-        }
+    /// From here on a number means that nothing was hit.
+    sky: f32,
+    /// The film and the display window that it covers, for depths along the ray.
+    film: Option<(&'a Film, PixelWindow)>,
+}
+
+impl<'a> DepthReading<'a> {
+    /// The reading of a channel that stores numbers of this kind.
+    pub(crate) fn new(convention: DepthConvention, kind: SampleKind, film: Option<(&'a Film, PixelWindow)>) -> Self {
+        let sky = if kind == SampleKind::Half { LARGEST_HALF } else { NOTHING };
+        Self { convention, sky, film }
     }
-    depth
+
+    /// Planar depth in (0, +inf], or NaN where it is not known, of a number stored at a pixel.
+    ///
+    /// Zero where `alpha` is zero is empty background, infinitely far; zero elsewhere, negative depth and NaN are unknown.
+    pub(crate) fn planar(&self, stored: f32, alpha: f32, (x, y): (i32, i32)) -> f32 {
+        let far = if stored >= self.sky { f32::INFINITY } else { stored };
+        let depth = match self.convention {
+            _ if stored == 0.0 && alpha == 0.0 => f32::INFINITY,
+            DepthConvention::Planar => far,
+            DepthConvention::Ray => far * cosine(self.film, x, y),
+            // 1 / -0 would be negative
+            DepthConvention::Inverse if stored == 0.0 => f32::INFINITY,
+            DepthConvention::Inverse => 1.0 / stored,
+        };
+        if depth > 0.0 { depth } else { f32::NAN }
+    }
+
+    /// The planar depths of a whole channel; `alpha` must have its window.
+    pub(crate) fn planar_plane(&self, stored: &Plane, alpha: &Plane) -> Plane {
+        let mut depth = stored.clone();
+        let pixels = stored.window().pixels();
+        for (pixel, (z, &a)) in pixels.zip(depth.values_mut().iter_mut().zip(alpha.values())) {
+            *z = self.planar(*z, a, pixel);
+        }
+        depth
+    }
 }
 
 /// Cosine of the angle between the pixel's chief ray and the sensor's normal; 1 without a film.

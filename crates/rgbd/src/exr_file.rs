@@ -1,24 +1,22 @@
 //! An OpenEXR file whose header is read and found sane, and the planes that are picked from it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use exr::block::UncompressedBlock;
-use exr::block::chunk::{Chunk, CompressedBlock};
-use exr::block::reader::ChunksReader;
-use exr::math::Vec2;
 use exr::meta::MetaData;
-use exr::meta::attribute::{Compression, SampleType};
-use rayon::prelude::*;
 
+use crate::flat_blocks::decode_parts;
+use crate::headers::read_headers;
 use crate::survey::ChannelIndex;
-use crate::{PixelWindow, Plane, ReadError, SampleKind, Survey};
+use crate::{PartSurvey, PixelWindow, Plane, ReadError, SampleKind, Survey};
 
 /// A file whose header claims nothing absurd.
 pub(crate) struct ExrFile {
     path: PathBuf,
+    length: u64,
+    /// Where the tables of offsets start, behind the headers.
+    tables_at: u64,
     meta: MetaData,
     survey: Survey,
 }
@@ -29,7 +27,7 @@ impl ExrFile {
         let io = |source| ReadError::Io { path: path.into(), source };
         let file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
-        let meta = MetaData::read_from_buffered(BufReader::new(file), false).map_err(|error| refusal(path, error))?;
+        let (meta, tables_at) = read_headers(file).map_err(|error| refusal(path, error))?;
         let damaged = |reason: &str| ReadError::Damaged { path: path.into(), reason: reason.into() };
         if meta.headers.is_empty() {
             return Err(damaged("it has no part"));
@@ -56,11 +54,21 @@ impl ExrFile {
         if chunks.saturating_mul(8) > length {
             return Err(damaged("it is shorter than its own table of contents"));
         }
-        Ok(Self { path: path.into(), meta, survey })
+        Ok(Self { path: path.into(), length, tables_at, meta, survey })
     }
 
     pub(crate) fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Its size in bytes.
+    pub(crate) fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Where the tables of offsets start, in bytes.
+    pub(crate) fn tables_at(&self) -> u64 {
+        self.tables_at
     }
 
     pub(crate) fn meta(&self) -> &MetaData {
@@ -81,15 +89,35 @@ impl ExrFile {
         self.survey.parts[at.part].channels[at.channel].kind
     }
 
+    /// Whether pixels of the part of a channel hold any number of samples.
+    pub(crate) fn is_deep(&self, at: ChannelIndex) -> bool {
+        self.survey.parts[at.part].deep
+    }
+
     /// The pixels of these channels, each in the window of its part, in the order asked for.
     ///
     /// Half and uint become f32. A file that ends early or packs nonsense is an error.
     pub(crate) fn planes(&self, wanted: &[ChannelIndex]) -> Result<Vec<Plane>, ReadError> {
-        self.refuse_deep()?;
+        self.decode(wanted, wanted.iter().map(|at| at.part).collect())
+    }
+
+    /// The same, but all parts that can be are decoded, to find out whether they are whole.
+    pub(crate) fn planes_of_whole_file(&self, wanted: &[ChannelIndex]) -> Result<Vec<Plane>, ReadError> {
+        let is_readable = |part: &&PartSurvey| !part.deep && !part.channels.iter().any(|channel| channel.subsampled);
+        let parts = self.survey.parts.iter().enumerate().filter(|(_, part)| is_readable(part)).map(|(i, _)| i);
+        self.decode(wanted, parts.collect())
+    }
+
+    /// The pixels of these channels, all chunks of `parts` decoded.
+    fn decode(&self, wanted: &[ChannelIndex], parts: BTreeSet<usize>) -> Result<Vec<Plane>, ReadError> {
+        self.refuse_deep(wanted)?;
         self.refuse_subsampled(wanted)?;
         let mut planes: BTreeMap<(usize, usize), Plane> =
             wanted.iter().map(|at| ((at.part, at.channel), Plane::filled(self.window(*at), 0.0))).collect();
-        self.fill(&mut planes).map_err(|error| refusal(&self.path, error))?;
+        if parts.is_empty() {
+            return Ok(Vec::new());
+        }
+        decode_parts(self, &parts, &mut planes).map_err(|error| refusal(&self.path, error))?;
         // A channel may be asked for twice, as colour and as depth
         let is_last = |i: usize| !wanted[i + 1..].contains(&wanted[i]);
         let take = |(i, at): (usize, &ChannelIndex)| {
@@ -100,12 +128,12 @@ impl ExrFile {
         Ok(wanted.iter().enumerate().map(take).collect())
     }
 
-    /// Refuses deep files by name: the decoder reads no part of a file that has a deep one.
-    pub(crate) fn refuse_deep(&self) -> Result<(), ReadError> {
-        if !self.survey.parts.iter().any(|part| part.deep) {
-            return Ok(());
-        }
-        let (what, remedy) = ("deep data".into(), "flatten it to one sample a pixel");
+    /// Refuses by name channels of deep parts, which have no one value for a pixel.
+    fn refuse_deep(&self, wanted: &[ChannelIndex]) -> Result<(), ReadError> {
+        let Some(&deep) = wanted.iter().find(|at| self.is_deep(**at)) else { return Ok(()) };
+        let what =
+            format!("{} with many samples for each pixel beside a channel that has one", self.survey.label(deep));
+        let remedy = "take colour and depth from one part (--color, --depth)";
         Err(ReadError::Unsupported { path: self.path.clone(), what, remedy })
     }
 
@@ -116,94 +144,10 @@ impl ExrFile {
         let what = format!("subsampled channels ({})", channel.name);
         Err(ReadError::Unsupported { path: self.path.clone(), what, remedy: "write all channels in full size" })
     }
-
-    /// Decodes the chunks of the wanted parts, a batch at a time on all threads, and copies the wanted lines.
-    fn fill(&self, planes: &mut BTreeMap<(usize, usize), Plane>) -> exr::error::UnitResult {
-        const BATCH: usize = 64; // chunks; bounds the memory and is enough for all cores
-        let file = BufReader::new(File::open(&self.path)?);
-        let parts: Vec<usize> = planes.keys().map(|key| key.0).collect();
-        let mut chunks = exr::block::read(file, false)?
-            .filter_chunks(true, |_, _, block| parts.contains(&block.layer) && block.level == Vec2(0, 0))?;
-        loop {
-            let batch: Vec<Chunk> = chunks.by_ref().take(BATCH).collect::<exr::error::Result<_>>()?;
-            if batch.is_empty() {
-                return Ok(());
-            }
-            let meta = chunks.meta_data();
-            let blocks: Vec<_> = batch
-                .into_par_iter()
-                .map(|chunk| {
-                    check_dwa_sizes(&chunk, meta)?;
-                    UncompressedBlock::decompress_chunk(chunk, meta, false)
-                })
-                .collect::<exr::error::Result<_>>()?;
-            for block in &blocks {
-                copy_lines(block, meta, planes);
-            }
-        }
-    }
-}
-
-/// Refuses a DWA chunk that claims to unpack to far more than its pixels.
-///
-/// The decoder (exr 1.74) allocates what the chunk's first eleven u64 claim, and one changed bit there can be 2^53 bytes.
-fn check_dwa_sizes(chunk: &Chunk, meta: &MetaData) -> exr::error::UnitResult {
-    let Some(header) = meta.headers.get(chunk.layer_index) else { return Ok(()) };
-    if !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
-        return Ok(());
-    }
-    let bytes = match &chunk.compressed_block {
-        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
-        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
-        _ => return Ok(()),
-    };
-    // A chunk that would not shrink is stored as it is, without sizes
-    let place = header.get_absolute_block_pixel_coordinates(header.get_block_data_indices(&chunk.compressed_block)?)?;
-    if bytes.len() == place.size.area() * header.channels.bytes_per_pixel {
-        return Ok(());
-    }
-    // Blocks of 8 x 8 may stand out at two sides, and halves become floats
-    let most = 4 * (place.size.width() + 8) * (place.size.height() + 8) * header.channels.bytes_per_pixel;
-    let sizes = bytes.chunks_exact(8).take(10).skip(1).map(|size| {
-        let size: [u8; 8] = size.try_into().unwrap_or_default();
-        u64::from_le_bytes(size)
-    });
-    if sizes.max().is_some_and(|size| size > most as u64) {
-        return Err(exr::error::Error::Invalid("sizes in a DWA chunk".into()));
-    }
-    Ok(())
-}
-
-/// Copies the lines of the wanted channels out of a block.
-fn copy_lines(block: &UncompressedBlock, meta: &MetaData, planes: &mut BTreeMap<(usize, usize), Plane>) {
-    let channels = &meta.headers[block.index.layer].channels;
-    for line in block.lines(channels) {
-        let at = line.location;
-        let Some(plane) = planes.get_mut(&(at.layer, at.channel)) else { continue };
-        let start = at.position.y() * plane.window().width as usize + at.position.x();
-        let target = plane.values_mut()[start..start + at.sample_count].iter_mut();
-        match channels.list[at.channel].sample_type {
-            SampleType::F32 => {
-                for (value, bytes) in target.zip(line.value.chunks_exact(4)) {
-                    *value = f32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-                }
-            }
-            SampleType::F16 => {
-                for (value, bytes) in target.zip(line.value.chunks_exact(2)) {
-                    *value = exr::prelude::f16::from_ne_bytes([bytes[0], bytes[1]]).to_f32();
-                }
-            }
-            SampleType::U32 => {
-                for (value, bytes) in target.zip(line.value.chunks_exact(4)) {
-                    *value = u32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as f32;
-                }
-            }
-        }
-    }
 }
 
 /// The decoder's error as ours.
-fn refusal(path: &Path, error: exr::error::Error) -> ReadError {
+pub(crate) fn refusal(path: &Path, error: exr::error::Error) -> ReadError {
     match error {
         exr::error::Error::Io(source) => ReadError::Io { path: path.into(), source },
         exr::error::Error::NotSupported(what) => ReadError::Unsupported {
@@ -211,6 +155,14 @@ fn refusal(path: &Path, error: exr::error::Error) -> ReadError {
             what: what.into_owned(),
             remedy: "write it as a flat OpenEXR 2 file",
         },
+        exr::error::Error::Invalid(what) => {
+            let reason = match what.as_ref() {
+                "reference to missing bytes" => "it ends too early".to_owned(),
+                "file identifier missing" => "it does not start like one".to_owned(),
+                what => format!("invalid {what}"),
+            };
+            ReadError::Damaged { path: path.into(), reason }
+        }
         error => ReadError::Damaged { path: path.into(), reason: error.to_string() },
     }
 }

@@ -5,7 +5,8 @@
 //!
 //! [`write_frame`], [`write_picture`] and [`write_truth`] make OpenEXR files that [`read_frame`], [`read_picture`] and
 //! [`read_truth`] give back bit for bit. The readers also take other programs' files: the header is surveyed, a
-//! [`Choice`] of channels is made that says why, and what they hold is brought to this crate's conventions.
+//! [`Choice`] of channels is made that says why, and what they hold is brought to this crate's conventions; deep pixels
+//! become layers. [`inspect`] tells all of that without making a frame.
 //!
 //! ```
 //! use rgbd::{Frame, Layer, Picture, PixelWindow, Plane, ReadOptions, WriteOptions, read_frame, write_frame};
@@ -47,12 +48,19 @@ mod choose_color;
 mod choose_depth;
 mod compression;
 mod convert;
+mod deep;
 mod depth_convention;
+mod depth_summary;
 mod encode_exr;
 mod exr_file;
+mod flat_blocks;
 mod frame;
+mod guard;
 mod head;
+mod headers;
+mod inspect;
 mod lens_attributes;
+mod offset_table;
 mod picture;
 mod pixel_window;
 mod plane;
@@ -70,9 +78,12 @@ mod write_error;
 
 pub use choice::Choice;
 pub use compression::Compression;
+pub use deep::DeepTally;
 pub use depth_convention::DepthConvention;
+pub use depth_summary::DepthSummary;
 pub use frame::{Frame, FrameError, Layer};
 pub use head::Head;
+pub use inspect::{Inspection, Understood, inspect};
 pub use lens_attributes::LensAttributes;
 pub use picture::Picture;
 pub use pixel_window::PixelWindow;

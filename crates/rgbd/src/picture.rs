@@ -1,6 +1,6 @@
 //! Colour without depth.
 
-use crate::{PixelWindow, Plane};
+use crate::{PixelWindow, Plane, Primaries};
 
 /// Premultiplied linear colour with alpha: what a filter or a tracer makes.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +37,18 @@ impl Picture {
     #[must_use]
     pub fn map(&self, rgba: impl Fn([f32; 4]) -> [f32; 4]) -> Self {
         Self::from_fn(self.window(), |x, y| rgba(self.at(x, y)))
+    }
+
+    /// The same picture with the primaries of Rec. 709, where its own are others that have a map to them.
+    #[must_use]
+    pub fn to_rec709(&self, own: &Primaries) -> Self {
+        match own.to_rec709() {
+            Some(map) if *own != Primaries::REC709 => self.map(|[r, g, b, alpha]| {
+                let [r, g, b] = map.map(|row| row[0] * r + row[1] * g + row[2] * b);
+                [r, g, b, alpha]
+            }),
+            _ => self.clone(),
+        }
     }
 
     /// The pixels it covers.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::attributes::{file_kind, head, lens_attributes, notes};
 use crate::choose::choose;
-use crate::convert::{assemble, convert_frame, convert_picture, picture_from};
+use crate::convert::{Converted, assemble, convert_frame, convert_picture, picture_from};
 use crate::encode_exr::FileKind;
 use crate::exr_file::ExrFile;
 use crate::survey::ChannelIndex;
@@ -40,11 +40,14 @@ pub fn read_frame(path: &Path, options: &ReadOptions) -> Result<Loaded<Frame>, R
     let file = ExrFile::open(path, options.max_pixels)?;
     let head = head_of(&file, options)?;
     match file_kind(path, file.meta())? {
-        Some(FileKind::Frame { layers }) if !overridden(options) => own_frame(&file, head, layers),
+        Some(FileKind::Frame { layers }) if !overridden(options) => own_frame(&file, head, layers, options.max_pixels),
         _ => {
-            file.refuse_deep()?;
-            let plan = choose(path, file.survey(), options, true)?;
-            let frame = convert_frame(&file, &plan, &head, options)?;
+            let mut plan = choose(path, file.survey(), options, true)?;
+            let Converted { frame, deep } = convert_frame(&file, &plan, &head, options)?;
+            if let Some(tally) = deep {
+                plan.choice.hidden = (1..frame.layers().len()).map(|i| format!("L{}", i + 1)).collect();
+                plan.choice.reason = format!("{}; {tally}", plan.choice.reason);
+            }
             Ok(loaded(&file, frame, head, plan.choice))
         }
     }
@@ -54,9 +57,8 @@ pub fn read_frame(path: &Path, options: &ReadOptions) -> Result<Loaded<Frame>, R
 pub fn read_picture(path: &Path, options: &ReadOptions) -> Result<Loaded<Picture>, ReadError> {
     let file = ExrFile::open(path, options.max_pixels)?;
     let head = head_of(&file, options)?;
-    file.refuse_deep()?;
     let plan = choose(path, file.survey(), options, false)?;
-    let picture = convert_picture(&file, &plan)?;
+    let picture = convert_picture(&file, &plan, &head, options)?;
     Ok(loaded(&file, picture, head, plan.choice))
 }
 
@@ -104,7 +106,7 @@ fn overridden(options: &ReadOptions) -> bool {
 }
 
 /// A frame as `write_frame` wrote it.
-fn own_frame(file: &ExrFile, head: Head, count: usize) -> Result<Loaded<Frame>, ReadError> {
+fn own_frame(file: &ExrFile, head: Head, count: usize, max_pixels: u64) -> Result<Loaded<Frame>, ReadError> {
     // Find the layers' channels; what is left are planes
     let mut wanted = Vec::new();
     for prefix in (0..count).map(layer_prefix) {
@@ -125,7 +127,7 @@ fn own_frame(file: &ExrFile, head: Head, count: usize) -> Result<Loaded<Frame>, 
             layers.push(Layer::from_raw_depth(color, depth));
         }
     }
-    let mut frame = assemble(file, &head, layers)?;
+    let mut frame = assemble(file, &head, layers, max_pixels)?;
     frame.planes = rest.iter().map(|&at| file.survey().label(at)).zip(planes).collect();
     let mut choice = own_choice(&["R", "G", "B", "A"], Some("Z"));
     choice.hidden = (1..count).map(|i| layer_prefix(i).trim_end_matches('.').to_owned()).collect();

@@ -20,7 +20,7 @@ pub enum ReadError {
         source: io::Error,
     },
     /// Not an OpenEXR file, or not a whole one.
-    #[error("\"{}\" is damaged or no OpenEXR file: {reason}", path.display())]
+    #[error("\"{}\" is damaged or no OpenEXR file: {reason}; write or copy it anew", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,

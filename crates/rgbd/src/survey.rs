@@ -1,7 +1,8 @@
 //! What there is in a file, before any pixel is read.
 
-use exr::meta::MetaData;
-use exr::meta::attribute::SampleType;
+use exr::compression::Compression as Packing;
+use exr::meta::attribute::{LevelMode, SampleType};
+use exr::meta::{BlockDescription, MetaData};
 
 use crate::PixelWindow;
 use crate::attributes::{string, window};
@@ -15,6 +16,16 @@ pub enum SampleKind {
     Float,
     /// 32-bit unsigned integer.
     Uint,
+}
+
+impl std::fmt::Display for SampleKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Half => "half",
+            Self::Float => "float",
+            Self::Uint => "uint",
+        })
+    }
 }
 
 /// A channel of a part.
@@ -39,6 +50,12 @@ pub struct PartSurvey {
     pub window: PixelWindow,
     /// Whether pixels hold any number of samples.
     pub deep: bool,
+    /// How its pixels are packed, as OpenEXR names it: `none`, `RLE`, `ZIPS`, ...
+    pub compression: &'static str,
+    /// Width and height of its tiles in pixels, where it is not stored in scan lines.
+    pub tile: Option<[u32; 2]>,
+    /// Whether it holds smaller versions of itself (mip or rip maps), which are not read.
+    pub has_levels: bool,
     /// Its channels, in the order of their names.
     pub channels: Vec<ChannelSurvey>,
 }
@@ -126,12 +143,38 @@ impl PartSurvey {
             subsampled: channel.sampling.x() != 1 || channel.sampling.y() != 1,
         });
         let own = &header.own_attributes;
+        let tiles = match header.blocks {
+            BlockDescription::ScanLines => None,
+            BlockDescription::Tiles(tiles) => Some(tiles),
+        };
+        let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         Self {
             name: own.layer_name.as_ref().map(string).filter(|name| !name.is_empty()),
             view: own.view_name.as_ref().map(string).filter(|view| !view.is_empty()),
             window: window(&header.data_window()),
             deep: header.deep,
+            compression: compression_name(header.compression),
+            tile: tiles.map(|tiles| [size(tiles.tile_size.width()), size(tiles.tile_size.height())]),
+            has_levels: tiles.is_some_and(|tiles| tiles.level_mode != LevelMode::Singular),
             channels: channels.collect(),
         }
+    }
+}
+
+/// What OpenEXR calls a compression.
+fn compression_name(packing: Packing) -> &'static str {
+    match packing {
+        Packing::Uncompressed => "none",
+        Packing::RLE => "RLE",
+        Packing::ZIP1 => "ZIPS",
+        Packing::ZIP16 => "ZIP",
+        Packing::PIZ => "PIZ",
+        Packing::PXR24 => "PXR24",
+        Packing::B44 => "B44",
+        Packing::B44A => "B44A",
+        Packing::DWAA(_) => "DWAA",
+        Packing::DWAB(_) => "DWAB",
+        Packing::HTJ2K32 => "HTJ2K32",
+        Packing::HTJ2K256 => "HTJ2K256",
     }
 }

@@ -72,6 +72,17 @@ fn names_of_common_renderers_are_understood() {
             "View Layer.Depth.Z",
         ),
         (&["R", "G", "B", "depth.R", "depth.G", "depth.B", "Z"], "R", "Z"),
+        // Depth written three times
+        (&["R", "G", "B", "A", "depth.R", "depth.G", "depth.B"], "R", "depth.R"),
+        (&["diffuse.R", "diffuse.G", "diffuse.B", "Z Depth.R", "Z Depth.G", "Z Depth.B"], "diffuse.R", "Z Depth.R"),
+        // Identities of objects are no colours
+        (
+            &["beauty.R", "beauty.G", "beauty.B", "Z", "crypto_object00.R", "crypto_object00.G", "crypto_object00.B"],
+            "beauty.R",
+            "Z",
+        ),
+        // Luminance alone is a grey picture
+        (&["Y", "A", "Z"], "Y", "Z"),
     ] {
         assert_eq!(chosen(names).unwrap(), (color.to_owned(), depth.to_owned()), "{names:?}");
     }
@@ -111,6 +122,8 @@ fn what_only_ends_in_z_is_not_depth() {
         &["R", "G", "B", "A"][..],
         &["R", "G", "B", "N.X", "N.Y", "N.Z"],
         &["R", "G", "B", "Mist.Z"],
+        &["R", "G", "B", "normals.Z"],
+        &["R", "G", "B", "Position.Z", "P.Z", "velocity.Z"],
         &["R", "G", "B", "hero.R", "hero.G", "hero.B", "hero.Z"],
         &["R", "G", "B", "ZBack"],
     ] {

@@ -242,15 +242,14 @@ fn references_without_depth_are_opaque_pictures() {
 }
 
 #[test]
-fn deep_and_chroma_files_are_refused_by_name() {
-    for (name, word) in [("weta_deep_balls_lowres", "deep data"), ("Rec709_YC", "luminance and chroma")] {
-        let Some(path) = shared(&format!("data/exr/{name}.exr")) else { return };
-        for error in [
-            read_frame(&path, &ReadOptions::default()).unwrap_err(),
-            read_picture(&path, &ReadOptions::default()).unwrap_err(),
-        ] {
-            assert!(matches!(error, ReadError::Unsupported { .. }) && error.to_string().contains(word), "{error}");
-        }
+fn chroma_files_are_refused_by_name() {
+    let Some(path) = shared("data/exr/Rec709_YC.exr") else { return };
+    for error in [
+        read_frame(&path, &ReadOptions::default()).map(|_| ()).unwrap_err(),
+        read_picture(&path, &ReadOptions::default()).map(|_| ()).unwrap_err(),
+    ] {
+        let text = error.to_string();
+        assert!(matches!(error, ReadError::Unsupported { .. }) && text.contains("luminance and chroma"), "{text}");
     }
 }
 

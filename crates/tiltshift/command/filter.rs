@@ -262,7 +262,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     )?;
     say(format_args!("wrote {}", options.output.display()));
     if let Some(png) = &options.png {
-        write_png(png, &filtered.picture, options.exposure)?;
+        write_png(png, &filtered.picture.to_rec709(&frame.primaries), options.exposure)?;
         say(format_args!("wrote {}", png.display()));
     }
     Ok(())

@@ -3,6 +3,7 @@
 pub(crate) mod compare;
 pub(crate) mod demo;
 pub(crate) mod filter;
+pub(crate) mod info;
 pub(crate) mod lens;
 pub(crate) mod merge;
 pub(crate) mod render;
