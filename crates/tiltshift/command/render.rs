@@ -144,6 +144,11 @@ impl Quality {
         Ok(camera)
     }
 
+    /// A seed that neither the truth nor the RGB-D frame uses.
+    pub(crate) fn other_seed(&self) -> u64 {
+        self.seed.wrapping_add(2)
+    }
+
     /// The ground truth over the display window.
     pub(crate) fn truth(&self, scene: &Scene, camera: &Camera) -> anyhow::Result<Truth> {
         let display = PixelWindow::of_size(camera.film.width(), camera.film.height());
