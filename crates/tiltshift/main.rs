@@ -35,6 +35,8 @@ enum Command {
     Compare(command::compare::Options),
     /// Say what a lens setting means: plane of focus, hinge, depth of field.
     Lens(command::lens::Options),
+    /// Filter a shot of a scene, and trace the pixels that the filter predicts to get wrong.
+    Hybrid(command::hybrid::Options),
     /// Run every method on a shot of a scene, and chart time against error.
     Chart(command::chart::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
@@ -59,6 +61,7 @@ fn run(command: Command) -> Outcome {
         Command::Filter(options) => command::filter::run(&options),
         Command::Compare(options) => command::compare::run(&options),
         Command::Lens(options) => command::lens::run(&options),
+        Command::Hybrid(options) => command::hybrid::run(&options),
         Command::Chart(options) => command::chart::run(&options),
         Command::Demo(options) => command::demo::run(&options),
     };

@@ -81,8 +81,10 @@ pub struct Point {
     pub family: Family,
     /// Layers of the RGB-D picture that it uses; `None` where it uses none or nobody knows.
     pub layers: Option<usize>,
-    /// Rays for each pixel; `None` for methods without.
+    /// Rays for each pixel that gets some; `None` for methods without.
     pub samples: Option<u32>,
+    /// Predicted error that it may leave in a pixel; `None` for methods that are asked for none.
+    pub tolerance: Option<f32>,
     /// Seconds of the filter or tracer alone.
     pub kernel: Timing,
     /// Seconds of the whole command with its files.
@@ -106,6 +108,7 @@ impl Point {
             family: rung.family(),
             layers: rung.layers(),
             samples: rung.samples(),
+            tolerance: rung.tolerance(),
             kernel: kernel.clone(),
             command: command.clone(),
             error,
@@ -122,6 +125,7 @@ impl Point {
             family: Family::Candidate,
             layers: None,
             samples: None,
+            tolerance: None,
             kernel: seconds.clone(),
             command: seconds,
             error,
@@ -148,7 +152,7 @@ impl Point {
         }
     }
 
-    fn tradeoff(&self, clock: Clock) -> Tradeoff {
+    pub(crate) fn tradeoff(&self, clock: Clock) -> Tradeoff {
         Tradeoff { seconds: self.time(clock).median(), error: self.error.all.rmse }
     }
 }
@@ -223,16 +227,17 @@ impl Chart {
     /// One line for each method under a heading; seconds and RMS errors, empty where there is none.
     #[must_use]
     pub fn to_csv(&self) -> String {
-        let mut csv = "method,family,layers,samples,kernel_s,kernel_low_s,kernel_high_s,command_s,command_low_s,\
+        let mut csv =
+            "method,family,layers,samples,tolerance,kernel_s,kernel_low_s,kernel_high_s,command_s,command_low_s,\
                        command_high_s,rmse,rmse_low,rmse_high,below_noise,rmse_edges,rmse_interior,flip_hdr,\
                        kernel_dominated_by,command_dominated_by\n"
-            .to_owned();
+                .to_owned();
         for point in &self.points {
             let PointError { all, edges, interior, flip_hdr } = &point.error;
             let times = [&point.kernel, &point.command].map(|time| [time.median(), time.low(), time.high()]);
             let family = serde_json::json!(point.family);
             let mut cells = vec![quoted(&point.name), family.as_str().unwrap_or_default().to_owned()];
-            cells.extend([text(point.layers), text(point.samples)]);
+            cells.extend([text(point.layers), text(point.samples), text(point.tolerance)]);
             cells.extend(times.as_flattened().iter().map(f64::to_string));
             cells.extend([all.rmse, all.low, all.high].map(|error| error.to_string()));
             cells.push(all.below_noise.to_string());

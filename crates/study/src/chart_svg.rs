@@ -21,10 +21,10 @@ pub(crate) const WIDTH: f64 = 640.0;
 pub(crate) const PLOT: Rect = Rect { x: 64.0, y: 92.0, width: 528.0, height: 370.0 };
 
 /// Height of a line of the table below.
-const ROW: f64 = 20.0;
+pub(crate) const ROW: f64 = 20.0;
 
 /// Mean width of a letter of a label, and the height of its line, at its largest size.
-const LETTER: [f64; 2] = [6.9, 14.0];
+pub(crate) const LETTER: [f64; 2] = [6.9, 14.0];
 
 /// The whole file.
 pub(crate) fn draw(chart: &Chart, clock: Clock) -> String {
@@ -83,6 +83,9 @@ fn plot(chart: &Chart, clock: Clock) -> Markup {
     let place = |point: &Point| (x.place(point.time(clock).median()), y.place(point.error.all.rmse));
 
     // Find room for the names
+    let stairs = stairs(points, clock, place);
+    let traced: Vec<_> = points.iter().filter(|point| point.family == Family::Trace).map(place).collect();
+    let lines: Vec<Rect> = [&stairs, &traced].into_iter().flat_map(|line| along(line)).collect();
     let boxes: Vec<Labelled> = points
         .iter()
         .map(|point| {
@@ -90,7 +93,7 @@ fn plot(chart: &Chart, clock: Clock) -> Markup {
             Labelled { x, y, width: LETTER[0] * point.name.chars().count() as f64, height: LETTER[1] }
         })
         .collect();
-    let labels = place_labels(&boxes, 13.0, PLOT);
+    let labels = place_labels(&boxes, &lines, PLOT);
 
     html! {
         (grid(&x, &y))
@@ -100,8 +103,8 @@ fn plot(chart: &Chart, clock: Clock) -> Markup {
         (line("soft end", (WIDTH - 12.0, PLOT.y - 9.0), "PSNR, dB"))
         (line("soft middle", (PLOT.x + 0.5 * PLOT.width, PLOT.y + PLOT.height + 37.0), "time"))
         (noise_line(chart.conditions().truth_noise_rmse, &y))
-        (path("frontier", &stairs(points, clock, place)))
-        (path("series trace", &joined(points.iter().filter(|point| point.family == Family::Trace).map(place))))
+        (path("frontier", &joined(stairs.into_iter())))
+        (path("series trace", &joined(traced.into_iter())))
         @for point in points { (bars(point, clock, &x, &y)) }
         @for point in points { (mark(point.family, point.dominated_by(clock).is_none(), place(point))) }
         @for (point, label) in points.iter().zip(&labels) { (name(point, label, place(point))) }
@@ -159,17 +162,33 @@ fn noise_line(noise: f64, y: &LogAxis) -> Markup {
     }
 }
 
-/// The frontier as stairs: more time buys nothing before the next step.
-fn stairs(points: &[Point], clock: Clock, place: impl Fn(&Point) -> (f64, f64)) -> String {
-    let tradeoff = |point: &Point| Tradeoff { seconds: point.time(clock).median(), error: point.error.all.rmse };
-    let tradeoffs: Vec<Tradeoff> = points.iter().map(tradeoff).collect();
-    let mut path = String::new();
-    for i in frontier(&tradeoffs) {
-        let (x, y) = place(&points[i]);
-        path +=
-            &if path.is_empty() { format!("M{} {}V{}", px(x), PLOT.y, px(y)) } else { format!("H{}V{}", px(x), px(y)) };
+/// The frontier as stairs, corner by corner: more time buys nothing before the next step.
+fn stairs(points: &[Point], clock: Clock, place: impl Fn(&Point) -> (f64, f64)) -> Vec<(f64, f64)> {
+    let tradeoffs: Vec<Tradeoff> = points.iter().map(|point| point.tradeoff(clock)).collect();
+    let steps: Vec<(f64, f64)> = frontier(&tradeoffs).into_iter().map(|i| place(&points[i])).collect();
+    let mut corners = Vec::new();
+    let mut height = PLOT.y;
+    for (x, y) in steps {
+        corners.extend([(x, height), (x, y)]);
+        height = y;
     }
-    if path.is_empty() { path } else { path + &format!("H{}", PLOT.x + PLOT.width) }
+    if !corners.is_empty() {
+        corners.push((PLOT.x + PLOT.width, height));
+    }
+    corners
+}
+
+/// What a line covers, in small pieces.
+fn along(line: &[(f64, f64)]) -> Vec<Rect> {
+    const PIECE: f64 = 4.0;
+    let pieces = |ends: &[(f64, f64)]| {
+        let ((x0, y0), (x1, y1)) = (ends[0], ends[1]);
+        let count = ((x1 - x0).hypot(y1 - y0) / PIECE).ceil() as usize;
+        let at = move |i: usize| (i as f64 + 0.5) / count as f64;
+        let piece = move |i: usize| Rect::around(x0 + at(i) * (x1 - x0), y0 + at(i) * (y1 - y0), PIECE, PIECE);
+        (0..count).map(piece).collect::<Vec<_>>()
+    };
+    line.windows(2).flat_map(pieces).collect()
 }
 
 /// A line through places.

@@ -42,29 +42,29 @@ const GAPS: [f64; 5] = [8.0, 15.0, 24.0, 36.0, 50.0];
 const DIRECTIONS: [(f64, f64); 8] =
     [(1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
 
-/// Places the words of each point, the first ones first: as near as they lie free within `bounds`, else where they cover
-/// least.
-pub(crate) fn place_labels(points: &[Labelled], marker_px: f64, bounds: Rect) -> Vec<Rect> {
-    let mut taken: Vec<Rect> =
-        points.iter().map(|point| Rect::around(point.x, point.y, marker_px, marker_px)).collect();
+/// Side of the square that the mark of a point takes, in pixels.
+const MARK: f64 = 13.0;
+
+/// What it costs, in square pixels of a covered line, to cover a square pixel of other words or of a mark, to leave the
+/// bounds by one, and to stand a pixel farther from the point.
+const COVERING: f64 = 20.0;
+const LEAVING: f64 = 80.0;
+const DISTANCE: f64 = 5.0;
+
+/// Places the words of each point, the first ones first: near to it and within `bounds`, where they cover no other words
+/// and no mark, and little of `lines`.
+pub(crate) fn place_labels(points: &[Labelled], lines: &[Rect], bounds: Rect) -> Vec<Rect> {
+    let mut taken: Vec<Rect> = points.iter().map(|point| Rect::around(point.x, point.y, MARK, MARK)).collect();
     let mut placed = Vec::with_capacity(points.len());
     for point in points {
-        let size = Rect { x: 0.0, y: 0.0, width: point.width, height: point.height };
-        let covered = |label: &Rect| {
+        let covered = |label: &Rect, others: &[Rect]| others.iter().map(|other| label.overlap(other)).sum::<f64>();
+        let cost = |(gap, label): &(f64, Rect)| {
             let outside = label.area() - label.overlap(&bounds);
-            4.0 * outside + taken.iter().map(|other| label.overlap(other)).sum::<f64>()
+            LEAVING * outside + COVERING * covered(label, &taken) + covered(label, lines) + DISTANCE * gap
         };
-        let tried = GAPS.into_iter().flat_map(|gap| DIRECTIONS.map(|direction| beside(point, size, gap, direction)));
-        let mut best: Option<(f64, Rect)> = None;
-        for label in tried {
-            let cost = covered(&label);
-            if best.is_none_or(|(least, _)| cost < least) {
-                best = Some((cost, label));
-            }
-            if cost == 0.0 {
-                break;
-            }
-        }
+        let places = GAPS.into_iter().flat_map(|gap| DIRECTIONS.map(|direction| (gap, beside(point, gap, direction))));
+        // The first of equals reads best
+        let best = places.min_by(|a, b| cost(a).total_cmp(&cost(b)));
         let (_, label) = best.expect("places are tried");
         taken.push(label);
         placed.push(label);
@@ -73,15 +73,11 @@ pub(crate) fn place_labels(points: &[Labelled], marker_px: f64, bounds: Rect) ->
 }
 
 /// The words at a distance from the point in a direction.
-fn beside(point: &Labelled, size: Rect, gap: f64, (dx, dy): (f64, f64)) -> Rect {
+fn beside(point: &Labelled, gap: f64, (dx, dy): (f64, f64)) -> Rect {
     // Aslant the corner, not the middle, keeps the distance
     let slant = if dx != 0.0 && dy != 0.0 { std::f64::consts::FRAC_1_SQRT_2 } else { 1.0 };
-    Rect::around(
-        point.x + dx * (slant * gap + 0.5 * size.width),
-        point.y + dy * (slant * gap + 0.5 * size.height),
-        size.width,
-        size.height,
-    )
+    let (x, y) = (dx * (slant * gap + 0.5 * point.width), dy * (slant * gap + 0.5 * point.height));
+    Rect::around(point.x + x, point.y + y, point.width, point.height)
 }
 
 #[cfg(test)]
@@ -100,18 +96,21 @@ mod tests {
         };
         let mut points: Vec<Labelled> = (0..6).map(at).collect();
         points.push(Labelled { x: 395.0, y: 4.0, width: 60.0, height: 14.0 });
-        let labels = place_labels(&points, 10.0, BOUNDS);
+        let labels = place_labels(&points, &[], BOUNDS);
         for (i, label) in labels.iter().enumerate() {
             assert!(label.overlap(&BOUNDS) > label.area() - 1e-9, "label {i} leaves the chart");
             assert!(labels[..i].iter().all(|other| label.overlap(other) == 0.0), "label {i} covers another");
-            let markers = points.iter().map(|point| Rect::around(point.x, point.y, 10.0, 10.0));
+            let markers = points.iter().map(|point| Rect::around(point.x, point.y, MARK, MARK));
             assert!(markers.into_iter().all(|marker| label.overlap(&marker) == 0.0), "label {i} covers a point");
         }
     }
 
     #[test]
     fn a_lonely_label_stands_right_beside_its_point() {
-        let labels = place_labels(&[Labelled { x: 100.0, y: 100.0, width: 50.0, height: 14.0 }], 10.0, BOUNDS);
-        assert_eq!(labels, [Rect { x: 108.0, y: 93.0, width: 50.0, height: 14.0 }]);
+        let point = Labelled { x: 100.0, y: 100.0, width: 50.0, height: 14.0 };
+        assert_eq!(place_labels(&[point], &[], BOUNDS), [Rect { x: 108.0, y: 93.0, width: 50.0, height: 14.0 }]);
+        // But on the other side of a line
+        let line = Rect { x: 100.0, y: 99.0, width: 200.0, height: 2.0 };
+        assert_eq!(place_labels(&[point], &[line], BOUNDS), [Rect { x: 42.0, y: 93.0, width: 50.0, height: 14.0 }]);
     }
 }

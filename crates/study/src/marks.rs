@@ -13,6 +13,7 @@ impl Family {
             Self::Gather => "gather",
             Self::Merged => "merged",
             Self::LensRays => "lens-rays",
+            Self::Hybrid => "hybrid",
             Self::Trace => "trace",
             Self::Candidate => "candidate",
         }
@@ -26,6 +27,7 @@ impl Family {
             Self::Gather => "M0 -5.4L5 3.8H-5Z",
             Self::Merged => "M0 -6L6 0L0 6L-6 0Z",
             Self::LensRays => "M0 5.4L5 -3.8H-5Z",
+            Self::Hybrid => "M0 -5.6L5.3 -1.7L3.3 4.5H-3.3L-5.3 -1.7Z",
             Self::Trace => "M-3.4 0A3.4 3.4 0 1 0 3.4 0A3.4 3.4 0 1 0 -3.4 0Z",
             Self::Candidate => "M-1.7 -5.5H1.7V-1.7H5.5V1.7H1.7V5.5H-1.7V1.7H-5.5V-1.7H-1.7Z",
         }

@@ -11,7 +11,7 @@ use rgbd::{
 };
 use trace::Scene;
 
-use crate::{Rung, StudyError, Timing, step::Step};
+use crate::{Rung, StudyError, Timing, hybrid, step::Step};
 
 /// What the rungs make a picture of.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +38,7 @@ pub struct Measured {
     /// Seconds of the filter or the tracer alone, everything in memory.
     pub kernel: Timing,
     /// Seconds of the whole: reading the RGB-D picture (of as many layers as the rung uses), filtering and writing the
-    /// result, both OpenEXR; for the tracer tracing and writing. Without the start of a program and the reading of a scene.
+    /// result, both OpenEXR; for the tracer only tracing and writing. Without the start of a program and the reading of a scene.
     pub command: Timing,
 }
 
@@ -102,11 +102,23 @@ impl Subject<'_> {
         self.frame.display
     }
 
+    /// The frame that a rung starts from.
+    fn read(&self, rung: &Rung) -> Result<Frame, StudyError> {
+        let layers = rung.layers().unwrap_or(1).clamp(1, self.frame.layers().len());
+        Ok(read_frame(&self.input(layers), &ReadOptions::default())?.value.covering(self.display()))
+    }
+
     /// Makes the picture once, from file to file.
     fn run(&self, rung: &Rung, progress: &dyn Progress) -> Result<Run, StudyError> {
         let started = Instant::now();
         let (picture, kernel) = match rung {
             Rung::Filter(method) => self.filter(rung, method, progress)?,
+            Rung::Hybrid(settings) => {
+                let frame = self.read(rung)?;
+                let started = Instant::now();
+                let picture = hybrid(self.scene, self.camera, &frame, settings, progress)?.picture;
+                (picture, started.elapsed().as_secs_f64())
+            }
             Rung::Trace { samples } => {
                 let samples = 0..samples.div_ceil(2);
                 let pixels = self.display().into();
@@ -120,8 +132,7 @@ impl Subject<'_> {
     }
 
     fn filter(&self, rung: &Rung, method: &Method, progress: &dyn Progress) -> Result<(Picture, f64), StudyError> {
-        let layers = rung.layers().unwrap_or(1).clamp(1, self.frame.layers().len());
-        let frame = read_frame(&self.input(layers), &ReadOptions::default())?.value.covering(self.display());
+        let frame = self.read(rung)?;
         let started = Instant::now();
         let filtered = filter::apply(&FrameView::whole(&frame), self.camera, method, self.display(), progress)?;
         Ok((filtered.picture, started.elapsed().as_secs_f64()))

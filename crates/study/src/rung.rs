@@ -3,6 +3,8 @@
 use filter::{GatherSettings, LensRaysSettings, Method};
 use serde::Serialize;
 
+use crate::HybridSettings;
+
 /// What methods have in common that are drawn alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -17,6 +19,8 @@ pub enum Family {
     Merged,
     /// Rung 5: rays through the layered picture.
     LensRays,
+    /// Rung 6: filtered, and traced where that would be wrong.
+    Hybrid,
     /// Rung 7: distributed ray tracing.
     Trace,
     /// Another program's picture.
@@ -28,6 +32,8 @@ pub enum Family {
 pub enum Rung {
     /// The filter, from an RGB-D picture.
     Filter(Method),
+    /// The filter, and the tracer where it would be wrong, from both.
+    Hybrid(HybridSettings),
     /// The tracer, from the scene.
     Trace {
         /// Samples per pixel, an even number of at least 2: the tracer takes them in two halves.
@@ -62,6 +68,7 @@ impl Rung {
             Self::Filter(Method::Gather(_)) => Family::Gather,
             Self::Filter(Method::Merged(_)) => Family::Merged,
             Self::Filter(Method::LensRays(_)) => Family::LensRays,
+            Self::Hybrid(_) => Family::Hybrid,
             Self::Trace { .. } => Family::Trace,
         }
     }
@@ -73,21 +80,29 @@ impl Rung {
             Self::Filter(Method::Pinhole | Method::OwnCoc(_)) => Some(1),
             Self::Filter(Method::Gather(settings) | Method::Merged(settings)) => Some(settings.layers),
             Self::Filter(Method::LensRays(settings)) => Some(settings.layers),
+            Self::Hybrid(settings) => Some(settings.layers),
             Self::Trace { .. } => None,
         }
     }
 
-    /// Rays for each pixel; `None` for methods without.
+    /// Rays for each pixel that gets some; `None` for methods without.
     #[must_use]
     pub fn samples(&self) -> Option<u32> {
         match self {
             Self::Filter(Method::LensRays(settings)) => Some(settings.samples),
             Self::Filter(_) => None,
+            Self::Hybrid(settings) => Some(settings.samples),
             Self::Trace { samples } => Some(*samples),
         }
     }
 
-    /// Its name in reports, such as `merged 2 layers` or `trace 256`.
+    /// Error that it may leave in a pixel; `None` where none was asked for.
+    #[must_use]
+    pub fn tolerance(&self) -> Option<f32> {
+        if let Self::Hybrid(settings) = self { Some(settings.tolerance) } else { None }
+    }
+
+    /// Its name in reports, such as `merged 2 layers`, `hybrid 0.01` or `trace 256`.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
@@ -96,6 +111,7 @@ impl Rung {
                 Some(layers) if layers > 1 => format!("{} {layers} layers", method.name()),
                 _ => format!("{} 1 layer", method.name()),
             },
+            Self::Hybrid(settings) => format!("hybrid {}", settings.tolerance),
             Self::Trace { samples } => format!("trace {samples}"),
         }
     }

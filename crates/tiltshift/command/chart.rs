@@ -1,5 +1,7 @@
 //! `tiltshift chart`: every method by time and error.
 
+mod series;
+
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Instant;
@@ -8,12 +10,13 @@ use ::compare::{Comparison, MaskKind, Masks, Reference};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use rgbd::{Picture, WriteOptions, write_truth};
-use study::{Chart, Clock, Conditions, Machine, Point, PointError, Rung, Subject, Timing, measure};
+use study::{Chart, Clock, Conditions, HybridSettings, Machine, Point, PointError, Rung, Subject, Timing, measure};
 use trace::SceneFile;
 
 use crate::command::compare::read_candidate;
+use crate::command::hybrid::tolerance;
 use crate::command::render::{Quality, say_layers, say_noise};
-use crate::console::{Bar, print, say};
+use crate::console::{Bar, is_interrupted, print, say};
 use crate::failure::{Failure, Outcome};
 use crate::files::{command_line, make_folder, write_text};
 
@@ -45,12 +48,19 @@ pub(crate) struct Options {
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_value = "2,4,16,64,256",
           value_parser = clap::value_parser!(u32).range(2..=131_072))]
     samples: Vec<u32>,
+    /// Tolerances at which the hybrid runs (rung 6: filtered, and traced with 256 samples where more error is predicted).
+    #[arg(long, value_name = "RMSE,...", value_delimiter = ',', default_value = "0.005,0.01,0.02", value_parser = tolerance)]
+    hybrid: Vec<f32>,
     /// How often each method runs; the median counts.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
     runs: u16,
     /// Another program's picture of the same view, and the seconds that it took.
     #[arg(long, value_name = "NAME,FILE.exr,SECONDS")]
     candidate: Vec<Candidate>,
+    /// Show how cost grows instead, with the size of the picture (a quarter and half as wide, as wide) or with the blur (half,
+    /// once, twice and four times the iris): series_SIZE_OR_BLUR.svg, .csv and .json. Needs no truth.
+    #[arg(long, value_enum, value_name = "OVER", conflicts_with = "candidate")]
+    series: Option<series::Growing>,
     #[command(flatten)]
     quality: Quality,
 }
@@ -87,6 +97,9 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let shot = file.shot(options.shot.as_deref())?;
     let camera = options.quality.camera(shot)?;
     make_folder(&options.out)?;
+    if let Some(growing) = options.series {
+        return series::run(options, &file, &camera, growing);
+    }
 
     // Read other programs' pictures first: what is wrong with them is wrong at once
     let display = rgbd::PixelWindow::of_size(camera.film.width(), camera.film.height());
@@ -107,8 +120,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let frame = &layered.frame;
 
     // Run all methods
-    let mut rungs = Rung::of_filter(frame.layers().len());
-    rungs.extend(tracer_samples(&options.samples).into_iter().map(|samples| Rung::Trace { samples }));
+    let rungs = rungs(options, frame.layers().len());
     let subject = Subject {
         scene: file.scene(),
         camera: &camera,
@@ -123,7 +135,12 @@ pub(crate) fn run(options: &Options) -> Outcome {
     // Hold them against the truth
     let reference = Reference::from_truth(&truth)?;
     let masks = Masks::from_frame(frame, &camera, None)?;
-    let error = |picture: &Picture| Ok::<_, Failure>(PointError::from(&Comparison::new(&reference, picture, &masks)?));
+    let error = |picture: &Picture| {
+        if is_interrupted() {
+            return Err(Failure::Interrupted);
+        }
+        Ok(PointError::from(&Comparison::new(&reference, picture, &masks)?))
+    };
     let mut points = Vec::new();
     for measured in &measured {
         points.push(Point::of_rung(measured, error(&measured.picture)?));
@@ -146,6 +163,16 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let chart = Chart::new(conditions, points);
     print_points(&chart);
     write_chart(&chart, &options.out)
+}
+
+/// Every method that was asked for.
+fn rungs(options: &Options, layers: usize) -> Vec<Rung> {
+    let mut rungs = Rung::of_filter(layers);
+    let seed = options.quality.other_seed();
+    let hybrid = |&tolerance| Rung::Hybrid(HybridSettings { tolerance, seed, ..HybridSettings::default() });
+    rungs.extend(options.hybrid.iter().map(hybrid));
+    rungs.extend(tracer_samples(&options.samples).into_iter().map(|samples| Rung::Trace { samples }));
+    rungs
 }
 
 /// Even numbers, each once, in rising order.

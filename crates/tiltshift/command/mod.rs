@@ -4,5 +4,6 @@ pub(crate) mod chart;
 pub(crate) mod compare;
 pub(crate) mod demo;
 pub(crate) mod filter;
+pub(crate) mod hybrid;
 pub(crate) mod lens;
 pub(crate) mod render;
