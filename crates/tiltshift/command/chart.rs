@@ -48,9 +48,14 @@ pub(crate) struct Options {
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_value = "2,4,16,64,256",
           value_parser = clap::value_parser!(u32).range(2..=131_072))]
     samples: Vec<u32>,
-    /// Tolerances at which the hybrid runs (rung 6: filtered, and traced with 256 samples where more error is predicted).
-    #[arg(long, value_name = "RMSE,...", value_delimiter = ',', default_value = "0.005,0.01,0.02", value_parser = tolerance)]
+    /// Tolerances at which the hybrid runs (rung 6: filtered, and traced where more error is predicted).
+    #[arg(long, value_name = "RMSE,...", value_delimiter = ',', default_value = "0.0025,0.005,0.01,0.02",
+          value_parser = tolerance)]
     hybrid: Vec<f32>,
+    /// Samples of a pixel that the hybrid traces.
+    #[arg(long, value_name = "N", default_value_t = HybridSettings::default().samples,
+          value_parser = clap::value_parser!(u32).range(2..=131_072))]
+    hybrid_samples: u32,
     /// How often each method runs; the median counts.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
     runs: u16,
@@ -169,7 +174,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
 fn rungs(options: &Options, layers: usize) -> Vec<Rung> {
     let mut rungs = Rung::of_filter(layers);
     let seed = options.quality.other_seed();
-    let hybrid = |&tolerance| Rung::Hybrid(HybridSettings { tolerance, seed, ..HybridSettings::default() });
+    let samples = options.hybrid_samples;
+    let hybrid = |&tolerance| Rung::Hybrid(HybridSettings { tolerance, samples, seed, ..HybridSettings::default() });
     rungs.extend(options.hybrid.iter().map(hybrid));
     rungs.extend(tracer_samples(&options.samples).into_iter().map(|samples| Rung::Trace { samples }));
     rungs

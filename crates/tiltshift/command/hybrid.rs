@@ -42,7 +42,7 @@ pub(crate) struct Options {
     /// nothing.
     #[arg(long, value_name = "RMSE", value_parser = tolerance, default_value_t = HybridSettings::default().tolerance)]
     tolerance: f32,
-    /// Samples of a traced pixel.
+    /// Samples of a pixel that is traced alone; pixels that are mixed get fewer.
     #[arg(long, value_name = "N", default_value_t = HybridSettings::default().samples,
           value_parser = clap::value_parser!(u32).range(2..=131_072))]
     samples: u32,
@@ -115,7 +115,10 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let started = Instant::now();
     let hybrid = study::hybrid(file.scene(), &camera, &frame, &settings, &Bar::new("filter and trace"))?;
     let seconds = started.elapsed().as_secs_f64();
-    say(format_args!("traced {:.1} % of the pixels; {seconds:.2} s", 100.0 * hybrid.traced_share()));
+    let (share, rays) = (100.0 * hybrid.traced_share(), hybrid.mean_samples);
+    say(format_args!(
+        "traced {share:.1} % of the pixels, {rays:.1} rays for each pixel of the picture; {seconds:.2} s"
+    ));
 
     // Write what came out
     let lens = lens_in_metres(shot, file.scene())?;
