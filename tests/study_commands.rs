@@ -88,7 +88,7 @@ fn a_hybrid_says_in_its_file_what_was_traced() {
     };
     assert!(hybrid("0", "all.exr").contains("traced 100.0 %"));
     assert!(hybrid("inf", "none.exr").contains("traced 0.0 %"));
-    hybrid("0.03", "some.exr");
+    hybrid("0.01", "some.exr");
 
     let read = |name: &str| read_picture(&folder.path().join(name), &ReadOptions::default()).unwrap().value;
     let [truth, all] = ["t.exr", "all.exr"].map(read);

@@ -179,7 +179,7 @@ fn stairs(points: &[Point], clock: Clock, place: impl Fn(&Point) -> (f64, f64)) 
 }
 
 /// What a line covers, in small pieces.
-fn along(line: &[(f64, f64)]) -> Vec<Rect> {
+pub(crate) fn along(line: &[(f64, f64)]) -> Vec<Rect> {
     const PIECE: f64 = 4.0;
     let pieces = |ends: &[(f64, f64)]| {
         let ((x0, y0), (x1, y1)) = (ends[0], ends[1]);

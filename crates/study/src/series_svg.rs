@@ -4,8 +4,8 @@ use maud::{Markup, html};
 
 use crate::{
     Growth, Series,
-    chart_svg::{LETTER, PLOT, ROW, grid, joined, line, path, svg},
-    labels::{Labelled, place_labels},
+    chart_svg::{LETTER, PLOT, ROW, along, grid, joined, line, path, svg},
+    labels::{Labelled, Rect, place_labels},
     log_axis::{LogAxis, seconds_text, two_digits},
     marks::{mark, px},
 };
@@ -42,7 +42,8 @@ fn plot(series: &Series) -> Markup {
             Labelled { x, y, width: LETTER[0] * growth.name.chars().count() as f64, height: LETTER[1] }
         })
         .collect();
-    let labels = place_labels(&ends, &[], PLOT);
+    let lines: Vec<Rect> = series.methods().iter().flat_map(|growth| along(&spots(growth))).collect();
+    let labels = place_labels(&ends, &lines, PLOT);
 
     html! {
         (grid(&x, &y))
