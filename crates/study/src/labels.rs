@@ -74,8 +74,8 @@ pub(crate) fn place_labels(points: &[Labelled], lines: &[Rect], bounds: Rect) ->
 
 /// The words at a distance from the point in a direction.
 fn beside(point: &Labelled, gap: f64, (dx, dy): (f64, f64)) -> Rect {
-    // Aslant the corner, not the middle, keeps the distance
-    let slant = if dx != 0.0 && dy != 0.0 { std::f64::consts::FRAC_1_SQRT_2 } else { 1.0 };
+    // Aslant the corner, not the middle, keeps about the distance, and clears the mark's own corner
+    let slant = if dx != 0.0 && dy != 0.0 { 0.85 } else { 1.0 };
     let (x, y) = (dx * (slant * gap + 0.5 * point.width), dy * (slant * gap + 0.5 * point.height));
     Rect::around(point.x + x, point.y + y, point.width, point.height)
 }
