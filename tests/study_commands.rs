@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use rgbd::{ReadOptions, read_picture};
+use rgbd::{ReadOptions, read_frame, read_picture};
 use tempfile::TempDir;
 
 fn tiltshift(folder: &Path, arguments: &[&str]) -> Output {
@@ -88,17 +88,20 @@ fn a_hybrid_says_in_its_file_what_was_traced() {
     };
     assert!(hybrid("0", "all.exr").contains("traced 100.0 %"));
     assert!(hybrid("inf", "none.exr").contains("traced 0.0 %"));
-    hybrid("0.01", "some.exr");
+    hybrid("0.005", "some.exr");
 
     let read = |name: &str| read_picture(&folder.path().join(name), &ReadOptions::default()).unwrap().value;
     let [truth, all] = ["t.exr", "all.exr"].map(read);
     const ROUNDING: f32 = 1e-6; // a truth is the mean of its halves, each of them rounded
     let differ = truth.planes()[1].values().iter().zip(all.planes()[1].values()).any(|(a, b)| (a - b).abs() > ROUNDING);
     assert!(!differ, "without tolerance it is the trace");
-    let traced = ReadOptions { color: Some("traced".to_owned()), ..ReadOptions::default() };
-    let weight = read_picture(&folder.path().join("some.exr"), &traced).unwrap().value;
-    let values = weight.planes()[0].values();
-    assert!(values.contains(&0.0) && values.contains(&1.0) && values.iter().any(|&w| w > 0.0 && w < 1.0));
+    // Read as a depth, which is unknown where it is 0
+    let traced = ReadOptions { depth: Some("traced".to_owned()), ..ReadOptions::default() };
+    let frame = read_frame(&folder.path().join("some.exr"), &traced).unwrap().value;
+    let layer = &frame.layers()[0];
+    assert!(layer.known.bits().contains(&false), "some pixels are filtered");
+    assert!(layer.depth.values().contains(&1.0), "some are traced");
+    assert!(layer.depth.values().iter().any(|&weight| weight > 0.0 && weight < 1.0), "some are mixed");
 }
 
 #[test]
