@@ -69,6 +69,7 @@ input_errors!(
     optics::OpticsError,
     rgbd::ReadError,
     rgbd::WriteError,
+    study::StudyError,
     trace::FileError,
     trace::PartError,
     trace::RenderError

@@ -39,6 +39,10 @@ enum Command {
     Info(command::info::Options),
     /// Say what a lens setting means: plane of focus, hinge, depth of field.
     Lens(command::lens::Options),
+    /// Filter a shot of a scene, and trace the pixels that the filter predicts to get wrong.
+    Hybrid(command::hybrid::Options),
+    /// Run every method on a shot of a scene, and chart time against error.
+    Chart(command::chart::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
     Demo(command::demo::Options),
 }
@@ -74,6 +78,8 @@ fn run(command: Command) -> Outcome {
         Command::Compare(options) => command::compare::run(&options),
         Command::Info(options) => command::info::run(&options),
         Command::Lens(options) => command::lens::run(&options),
+        Command::Hybrid(options) => command::hybrid::run(&options),
+        Command::Chart(options) => command::chart::run(&options),
         Command::Demo(options) => command::demo::run(&options),
     };
     // Whatever error an interrupted stage came up with, it was the interruption

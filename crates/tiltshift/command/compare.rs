@@ -206,7 +206,7 @@ fn read_rgbd(path: &Path, display: PixelWindow) -> Result<Frame, Failure> {
 }
 
 /// A picture over the reference's display window, and its camera.
-fn read_candidate(path: &Path, display: PixelWindow) -> Result<(rgbd::Picture, Option<Camera>), Failure> {
+pub(crate) fn read_candidate(path: &Path, display: PixelWindow) -> Result<(rgbd::Picture, Option<Camera>), Failure> {
     let Loaded { value: picture, head, .. } = read_picture(path, &ReadOptions::default())?;
     if head.display != display {
         let text = format!("{path:?} shows {}, the reference {display}; pictures must be of one size", head.display);

@@ -1,8 +1,10 @@
 //! One file per subcommand.
 
+pub(crate) mod chart;
 pub(crate) mod compare;
 pub(crate) mod demo;
 pub(crate) mod filter;
+pub(crate) mod hybrid;
 pub(crate) mod info;
 pub(crate) mod lens;
 pub(crate) mod merge;

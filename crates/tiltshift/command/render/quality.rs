@@ -57,6 +57,11 @@ impl Quality {
         Ok(camera)
     }
 
+    /// A seed that neither the truth nor the RGB-D frame uses.
+    pub(crate) fn other_seed(&self) -> u64 {
+        self.seed.wrapping_add(2)
+    }
+
     /// When the truth is done.
     pub(crate) fn goal(&self) -> Goal {
         match self.noise {

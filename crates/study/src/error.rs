@@ -1,0 +1,38 @@
+//! Why an experiment cannot be made.
+
+use rgbd::Cancelled;
+use thiserror::Error;
+
+/// Why an experiment cannot be made.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// The filter refuses the frame.
+    #[error(transparent)]
+    Filter(#[from] filter::FilterError),
+    /// The tracer refuses the scene or the number of samples.
+    #[error(transparent)]
+    Render(#[from] trace::RenderError),
+    /// A picture cannot be compared.
+    #[error(transparent)]
+    Compare(#[from] compare::CompareError),
+    /// A picture that was just written cannot be read.
+    #[error(transparent)]
+    Read(#[from] rgbd::ReadError),
+    /// A picture cannot be written.
+    #[error(transparent)]
+    Write(#[from] rgbd::WriteError),
+    /// A setting is outside its range.
+    #[error("{what} is {value}; it must be {wanted}")]
+    BadSetting {
+        /// Which one, with its unit.
+        what: &'static str,
+        /// The offending value.
+        value: f64,
+        /// The range that would do.
+        wanted: &'static str,
+    },
+    /// Stopped from outside.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
