@@ -106,7 +106,7 @@ impl Point {
         Self {
             name: rung.name(),
             family: rung.family(),
-            layers: rung.layers(),
+            layers: rung.layers().filter(|&layers| layers != usize::MAX),
             samples: rung.samples(),
             tolerance: rung.tolerance(),
             kernel: kernel.clone(),
