@@ -18,8 +18,8 @@
 
 use filter::{FrameView, GatherSettings, Method};
 use optics::Camera;
-use rgbd::{Frame, Mask, Picture, Plane, Progress};
-use trace::{Pixels, Scene};
+use rgbd::{Frame, Picture, Plane, Progress};
+use trace::{Accumulation, MAX_SAMPLES, RenderError, Scene};
 
 use crate::{StudyError, step::Step};
 
@@ -82,11 +82,12 @@ pub fn hybrid(
         let what = "tolerance of the hybrid";
         return Err(StudyError::BadSetting { what, value: f64::from(tolerance), wanted: "0 or positive" });
     }
+    if !(2..=2 * MAX_SAMPLES).contains(&samples) {
+        let what = "number of samples of the hybrid";
+        return Err(StudyError::BadSetting { what, value: f64::from(samples), wanted: "2 to 131072" });
+    }
 
-    // A pixel's samples can be halved down to one in each half
-    let half = samples.div_ceil(2);
-    let most_halvings = half.max(1).ilog2();
-    let step = |index: u32| Step { whole: progress, index: index as usize, count: most_halvings as usize + 2 };
+    let step = |index: usize| Step { whole: progress, index, count: 2 };
 
     // Filter everything
     let method = Method::Merged(GatherSettings { layers, predict_error: true, ..GatherSettings::default() });
@@ -97,20 +98,21 @@ pub fn hybrid(
     // Trace where that is not enough
     let display = frame.display;
     let weight = Plane::from_fn(display, |x, y| trace_weight(predicted_error.at(x, y), tolerance));
+    let counts = |x: i32, y: i32| {
+        let count = samples_of(weight.at(x, y), samples.div_ceil(2));
+        [0..count, 0..count]
+    };
+    let mut sums = Accumulation::new(*camera, display, seed);
+    sums.extend(scene, &counts, &step(1)).map_err(RenderError::from)?;
     let mut picture = filtered.picture;
-    let mut rays = 0;
-    for k in 0..=most_halvings {
-        let is_here = |weight: f32| weight > 0.0 && times_halved(weight).min(most_halvings) == k;
-        let mask = Mask::from_fn(display, |x, y| is_here(weight.at(x, y)));
-        if mask.count() > 0 {
-            rays += mask.count() as u64 * 2 * u64::from(half >> k);
-            let pixels = Pixels::from(mask);
-            let traced = trace::render(scene, camera, &pixels, 0..half >> k, seed, &step(k + 1))?.picture();
-            mix(&mut picture, &traced, &pixels, &weight);
-        }
-    }
-    let mean_samples = rays as f64 / display.area().max(1) as f64;
+    mix(&mut picture, &sums.picture(), &weight);
+    let mean_samples = sums.samples() as f64 / display.area().max(1) as f64;
     Ok(Hybrid { picture, predicted_error, weight, mean_samples })
+}
+
+/// Samples in each half of a pixel of which `weight` is traced, where one that is traced alone gets `all`; at least 1.
+fn samples_of(weight: f32, all: u32) -> u32 {
+    if weight > 0.0 { all.checked_shr(times_halved(weight)).unwrap_or(0).max(1) } else { 0 }
 }
 
 /// How often the number of samples is halved for a pixel of which `weight` (above 0) is traced.
@@ -141,8 +143,8 @@ fn widened(error: &Plane) -> Plane {
 }
 
 /// Puts the traced pixels over the filtered ones by weight.
-fn mix(picture: &mut Picture, traced: &Picture, pixels: &Pixels, weight: &Plane) {
-    for (x, y) in weight.window().pixels().filter(|&(x, y)| pixels.contains(x, y)) {
+fn mix(picture: &mut Picture, traced: &Picture, weight: &Plane) {
+    for (x, y) in weight.window().pixels().filter(|&(x, y)| weight.at(x, y) > 0.0) {
         let (w, f, t) = (weight.at(x, y), picture.at(x, y), traced.at(x, y));
         // All of the trace is the trace, to the bit
         let mixed = if w < 1.0 { [0, 1, 2, 3].map(|c| f[c] + w * (t[c] - f[c])) } else { t };

@@ -144,9 +144,14 @@ fn where_trace_meets_filter_no_step_is_added_that_could_be_seen() {
 }
 
 #[test]
-fn a_tolerance_that_is_none_is_refused() {
+fn settings_that_are_none_are_refused() {
     let shot = Shot::new();
     for tolerance in [-0.1, f32::NAN] {
         assert!(matches!(shot.hybrid(tolerance), Err(StudyError::BadSetting { .. })), "{tolerance}");
+    }
+    for samples in [0, 1, 2 * trace::MAX_SAMPLES + 1] {
+        let settings = HybridSettings { samples, ..HybridSettings::default() };
+        let refused = hybrid(shot.file.scene(), &shot.camera, &shot.frame, &settings, &Silent);
+        assert!(matches!(refused, Err(StudyError::BadSetting { .. })), "{samples}");
     }
 }

@@ -51,8 +51,9 @@ impl Sum {
 
     /// Those of `wanted` that follow the samples it has, and it makes ready to take them; none if they do not follow.
     pub(crate) fn missing(&self, wanted: &Range<u32>) -> Range<u32> {
+        let wanted = wanted.start..wanted.end.min(MAX_SAMPLES);
         if self.count == 0 {
-            return wanted.clone();
+            return wanted;
         }
         let end = self.samples().end;
         if wanted.contains(&end) { end..wanted.end } else { end..end }

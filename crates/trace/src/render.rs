@@ -47,11 +47,11 @@ pub fn render(
     Ok(sums)
 }
 
-/// The samples that both halves of a pixel shall have.
+/// The samples that both halves of pixel (x, y) shall have.
 pub type Wanted<'a> = &'a (dyn Fn(i32, i32) -> [Range<u32>; 2] + Sync);
 
 impl Accumulation {
-    /// Adds the samples of each pixel that follow those it has, up to those that are wanted of it.
+    /// Adds the samples of each pixel that follow those it has, up to those that are wanted of it or [`MAX_SAMPLES`].
     ///
     /// When it is cancelled, some pixels have theirs and others not: it can go on from there.
     pub fn extend(&mut self, scene: &Scene, wanted: Wanted<'_>, progress: &dyn Progress) -> Result<(), Cancelled> {
