@@ -93,7 +93,9 @@ impl Long {
             }
             if is_interrupted() {
                 drop(bar);
-                say(format_args!("what there is so far stands in {}; --resume goes on with it", place.display()));
+                if part.job.sums().samples() > 0 {
+                    say(format_args!("what there is so far stands in {}; --resume goes on with it", place.display()));
+                }
                 return Err(Failure::Interrupted);
             }
         }
