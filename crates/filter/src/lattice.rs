@@ -29,6 +29,10 @@ const MOST_CELLS: i32 = 36;
 const STEEP_FOCUS: f32 = 0.02;
 const LEAST_RADIUS_WHERE_STEEP: f32 = 2.0;
 
+/// Where it changes by more than this, kernels are no longer affine in the focus, and all is left to the gather: the iris
+/// then reaches a good part of the way to the hinge.
+const TOO_STEEP_FOCUS: f32 = 0.3;
+
 /// Table entries per cell of radius.
 pub(crate) const STEPS: f32 = 32.0;
 
@@ -145,7 +149,7 @@ impl<'a> Lattice<'a> {
         let (least, largest) = (least.min(self.max_radius), largest.min(self.max_radius));
         // A kernel is affine in the focus on the way from one pixel to another; next to the plane of focus it is not
         let bend = lens.focus_slope[0].hypot(lens.focus_slope[1]) * lens.center.scale;
-        if bend > STEEP_FOCUS && least < LEAST_RADIUS_WHERE_STEEP {
+        if bend > TOO_STEEP_FOCUS || bend > STEEP_FOCUS && least < LEAST_RADIUS_WHERE_STEEP {
             return None;
         }
         let level = (least / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
