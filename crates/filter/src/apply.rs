@@ -320,6 +320,10 @@ fn depth_range(view: &FrameView, settings: &GatherSettings) -> Option<DepthRange
             far = if known && z > far { z } else { far };
         }
     }
+    if let (true, Some(rest)) = (settings.layers > 1, view.frame().rest()) {
+        let rests = view.frame().data().pixels().filter_map(|(x, y)| rest.at(x, y));
+        (near, far) = rests.fold((near, far), |(near, far), rest| (near.min(rest.depth), far.max(rest.depth)));
+    }
     DepthRange::new(f64::from(near), f64::from(far)).ok()
 }
 

@@ -6,7 +6,7 @@
 //! see that edge is marked.
 
 use rayon::prelude::*;
-use rgbd::PixelWindow;
+use rgbd::{PixelWindow, Rest};
 
 use crate::surface::Surface;
 
@@ -104,9 +104,9 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// The cells of a surface. A step counts as an edge if three neighbouring pixels differ by more than `jump` in
-    /// inverse depth.
-    pub(crate) fn new(surface: &Surface, jump: f32) -> Self {
+    /// The cells of a surface. A step counts as an edge if three neighbouring pixels, or a pixel and its rest, differ by more
+    /// than `jump` in inverse depth.
+    pub(crate) fn new(surface: &Surface, rest: Option<Rest>, jump: f32) -> Self {
         let window = surface.window;
         let (cells, squares) = (Grid::new(window, CELL), Grid::new(window, SQUARE));
         let mut ranges = vec![EMPTY; cells.len()];
@@ -119,6 +119,15 @@ impl Cells {
                 line.reduce(window, cells.first.0, jump, ranges, has_edge);
             },
         );
+        for (x, y) in rest.map(|_| window.pixels()).into_iter().flatten() {
+            let Some(there) = rest.and_then(|rest| rest.at(x, y)) else { continue };
+            let inverse = 1.0 / there.depth;
+            if (inverse - surface.inverse_depth[window.index(x, y)]).abs() > jump {
+                let cell = cells.index(x, y);
+                has_edge[cell] = true;
+                ranges[cell] = joined(ranges[cell], [inverse; 2]);
+            }
+        }
         let mut square_ranges = vec![EMPTY; squares.len()];
         for (i, &range) in ranges.iter().enumerate() {
             let (x, y) = cells.corner(i);
@@ -130,7 +139,7 @@ impl Cells {
 
     /// The same edges, with the ranges of a surface that was changed.
     pub(crate) fn with_ranges_of(self, surface: &Surface) -> Self {
-        Self { has_edge: self.has_edge, ..Self::new(surface, f32::INFINITY) }
+        Self { has_edge: self.has_edge, ..Self::new(surface, None, f32::INFINITY) }
     }
 
     /// Whether there is an edge in the cell of each pixel of a row; called for each cell: its columns in the window.

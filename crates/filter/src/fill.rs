@@ -49,6 +49,7 @@ pub(crate) fn fill(first: &Surface, splits: &[Split], hidden: &mut [Surface], li
             filled.push(Fragment {
                 index: split.index as u32,
                 cover: 1.0,
+                is_before: false,
                 inverse_depth: split.other_depth.max(0.0),
                 slope: split.other_slope,
                 rgba: split.far,
@@ -165,6 +166,7 @@ fn continued(first: &Surface, split: &Split, i: usize, by: [f32; 2], jump: f32) 
     Fragment {
         index: i as u32,
         cover: 1.0,
+        is_before: false,
         inverse_depth: split.plane(by).max(0.0),
         slope: split.other_slope,
         rgba,

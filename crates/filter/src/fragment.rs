@@ -9,6 +9,8 @@ pub(crate) struct Fragment {
     pub(crate) cover: f32,
     /// 1/z in 1 / scene units.
     pub(crate) inverse_depth: f32,
+    /// Whether it is the near part of a silhouette, before the pixel's first surface.
+    pub(crate) is_before: bool,
     /// Change of inverse depth per pixel in x and y.
     pub(crate) slope: [f32; 2],
     /// Premultiplied with the cover.

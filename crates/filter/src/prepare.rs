@@ -35,8 +35,10 @@ impl Prepared {
         hidden.iter_mut().for_each(|surface| smooth(surface, jump));
 
         // Give silhouette pixels to both their surfaces
-        let cells = Cells::new(&first, jump);
-        let splits = splits(&first, &cells, &hidden, jump);
+        // A frame with hidden layers may know what its pixels are made of
+        let rest = if layers > 1 { view.frame().rest() } else { None };
+        let cells = Cells::new(&first, rest, jump);
+        let splits = splits(&first, &cells, rest, &hidden, jump);
         let mut fragments = Vec::new();
         first.doubt = vec![0.0; first.cover.len()];
         for split in &splits {
@@ -55,6 +57,7 @@ impl Prepared {
                 fragments.push(Fragment {
                     index: i as u32,
                     cover: share,
+                    is_before: true,
                     inverse_depth: split.other_depth.max(0.0),
                     slope: split.other_slope,
                     rgba: split.near.map(|c| c * share),
@@ -70,6 +73,7 @@ impl Prepared {
             fragments.extend(there.map(|i| Fragment {
                 index: i as u32,
                 cover: surface.cover[i],
+                is_before: false,
                 inverse_depth: surface.inverse_depth[i],
                 slope: surface.slopes[i],
                 rgba: surface.rgba[i],
@@ -123,7 +127,7 @@ impl Prepared {
         let (mut behind, mut before): (Vec<Surface>, Option<Surface>) = (Vec::new(), None);
         for of_pixel in fragments.chunk_by(|a, b| a.index == b.index) {
             let here = first.inverse_depth[of_pixel[0].index as usize];
-            if let Some(part) = of_pixel.iter().find(|f| f.inverse_depth > here && f.cover <= 0.5) {
+            if let Some(part) = of_pixel.iter().find(|f| f.is_before && f.inverse_depth > here) {
                 before.get_or_insert_with(empty).put(part);
             }
             let mut farther: Vec<&Fragment> = of_pixel.iter().filter(|f| f.inverse_depth <= here).collect();

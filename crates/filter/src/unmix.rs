@@ -7,8 +7,11 @@
 //! projection tells little, and the share of near pixels around weighs more. The pixel's own depth says which of both
 //! covers its centre, and so at least half of it. What the guess leaves over is given to both in the way that changes them
 //! least, so that the two together are the pixel's colour exactly.
+//!
+//! Where the frame knows the [`Rest`] of its pixels nothing has to be guessed, and things thinner than a pixel are found.
 
 use rayon::prelude::*;
+use rgbd::{PixelRest, Rest};
 
 use crate::{cells::Cells, surface::Surface};
 
@@ -56,17 +59,29 @@ pub(crate) fn least_jump(px: f32) -> f32 {
     LEAST_JUMP_PX / px.max(f32::MIN_POSITIVE)
 }
 
-/// The silhouette pixels of the first surface, row by row; `behind` holds what hidden layers know there.
-pub(crate) fn splits(first: &Surface, cells: &Cells, behind: &[Surface], jump: f32) -> Vec<Split> {
+/// The silhouette pixels of the first surface, row by row; `rest` tells of what they are mixed where that is known, `behind`
+/// holds what hidden layers know there.
+pub(crate) fn splits(
+    first: &Surface,
+    cells: &Cells,
+    rest: Option<Rest>,
+    behind: &[Surface],
+    jump: f32,
+) -> Vec<Split> {
     let window = first.window;
     let width = window.width as usize;
 
     // Find out on which side of a jump each pixel lies
     let mut sides = vec![Side::Pure; window.area()];
-    sides.par_chunks_mut(width).enumerate().for_each(|(row, sides)| mark_sides(first, cells, row, jump, sides));
+    sides.par_chunks_mut(width).enumerate().for_each(|(row, sides)| {
+        mark_sides(first, cells, row, jump, sides);
+        if let Some(rest) = rest {
+            mark_mixed(first, cells, rest, row, jump, sides);
+        }
+    });
 
     let nearness = std::array::from_fn(|squared| (-0.5 * squared as f32 / NEARNESS).exp());
-    let splitter = Splitter { first, behind, sides: &sides, jump, nearness };
+    let splitter = Splitter { first, behind, rest, sides: &sides, jump, nearness };
     let rows: Vec<Vec<Split>> = (0..window.height as usize)
         .into_par_iter()
         .map(|row| {
@@ -123,6 +138,19 @@ fn mark_sides(surface: &Surface, cells: &Cells, row: usize, jump: f32, sides: &m
     }
 }
 
+/// The sides of one row's pixels that are known to be mixed.
+fn mark_mixed(surface: &Surface, cells: &Cells, rest: Rest, row: usize, jump: f32, sides: &mut [Side]) {
+    let window = surface.window;
+    let here = &surface.inverse_depth[row * window.width as usize..];
+    for x in cells.edges_of_row(row).flatten() {
+        match rest.at(window.x + x as i32, window.y + row as i32).map(|rest| 1.0 / rest.depth - here[x]) {
+            Some(step) if step > jump => sides[x] = Side::Far,
+            Some(step) if step < -jump => sides[x] = Side::Near,
+            _ => (),
+        }
+    }
+}
+
 /// The offsets of the pixels around one, row by row.
 pub(crate) fn neighbours(reach: i32) -> impl Iterator<Item = (i32, i32)> {
     (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| (dx, dy))).filter(|&at| at != (0, 0))
@@ -167,6 +195,7 @@ impl Guess {
 struct Splitter<'a> {
     first: &'a Surface,
     behind: &'a [Surface],
+    rest: Option<Rest<'a>>,
     sides: &'a [Side],
     jump: f32,
     /// Weights by squared distance.
@@ -178,6 +207,9 @@ impl Splitter<'_> {
         let (side, rgba) = (self.sides[index], self.first.rgba[index]);
         let is_near = side == Side::Near;
         let (own, mut other, tent) = self.guesses(index);
+        if let Some(rest) = self.rest {
+            return self.known(index, is_near, rest, other);
+        }
 
         // What a hidden layer knows of the far side is worth more than any guess
         if let (true, Some(hidden)) = (is_near, self.hidden(index)) {
@@ -229,6 +261,34 @@ impl Splitter<'_> {
             other_depth: other.depth,
             other_slope: other.slope,
         })
+    }
+
+    /// A silhouette pixel whose rest is known; a guess of the other surface where it is all its own.
+    fn known(&self, index: usize, is_near: bool, rest: Rest, guess: Option<Guess>) -> Option<Split> {
+        let window = self.first.window;
+        let (x, y) = ((index % window.width as usize) as i32, (index / window.width as usize) as i32);
+        let (own_depth, rgba) = (self.first.inverse_depth[index], self.first.rgba[index]);
+        let is_other = |rest: &PixelRest| {
+            let step = 1.0 / rest.depth - own_depth;
+            rest.rgba[3] >= PURE && if is_near { step < -self.jump } else { step > self.jump }
+        };
+        let hidden = if is_near { self.hidden(index) } else { None };
+        let beside = hidden.or(guess);
+        let Some(rest) = rest.at(window.x + x, window.y + y).filter(is_other) else {
+            let beside = beside?;
+            let (near, far) = if is_near { (rgba, beside.rgba) } else { (beside.rgba, rgba) };
+            let (share, other_depth, other_slope) = (f32::from(u8::from(is_near)), beside.depth, beside.slope);
+            return Some(Split { index, is_near, share, near, far, doubt: 0.0, other_depth, other_slope });
+        };
+        let other_depth = 1.0 / rest.depth;
+        let same = beside.filter(|beside| (beside.depth - other_depth).abs() <= self.jump);
+        let other_share = rest.rgba[3].min(1.0 - PURE);
+        let other = rest.rgba.map(|c| c / rest.rgba[3]);
+        let own = [0, 1, 2, 3].map(|c| (rgba[c] - other_share * other[c]) / (1.0 - other_share));
+        let (near, far, share) =
+            if is_near { (own, other, 1.0 - other_share) } else { (other, own, other_share) };
+        let other_slope = same.map_or([0.0; 2], |beside| beside.slope);
+        Some(Split { index, is_near, share, near, far, doubt: 0.0, other_depth, other_slope })
     }
 
     /// Guesses of the pixel's own surface and of the other one, from pure pixels where there are any, and the share of

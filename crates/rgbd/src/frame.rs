@@ -164,16 +164,19 @@ impl Frame {
         self.layers
     }
 
-    /// The same frame with its first `count` layers only (at least one).
+    /// The same frame with its first `count` layers only (at least one). The first alone is what any renderer writes, without
+    /// the [`rest`](Self::rest) of its pixels.
     #[must_use]
     pub fn with_layers(mut self, count: usize) -> Self {
         self.layers.truncate(count.max(1));
-        self
+        if count > 1 { self } else { self.without_rest() }
     }
 
-    /// The same frame with the colour (premultiplied, linear) of every pixel of every layer replaced by a function of it.
+    /// The same frame with the colour (premultiplied, linear) of every pixel of every layer replaced by a function of it. The
+    /// [`rest`](Self::rest) of its pixels is forgotten: parts of a colour do not add up to a function of it.
     #[must_use]
     pub fn map_color(mut self, color: impl Fn([f32; 4]) -> [f32; 4]) -> Self {
+        self = self.without_rest();
         for layer in &mut self.layers {
             layer.color = layer.color.map(&color);
         }

@@ -71,6 +71,7 @@ mod read;
 mod read_error;
 mod read_options;
 mod replace;
+mod rest;
 mod survey;
 mod truth;
 mod write;
@@ -95,6 +96,7 @@ pub use read::{Loaded, read_frame, read_picture, read_planes, read_truth, survey
 pub use read_error::ReadError;
 pub use read_options::ReadOptions;
 pub use replace::replace_file;
+pub use rest::{PixelRest, Rest};
 pub use survey::{ChannelSurvey, PartSurvey, SampleKind, Survey};
 pub use truth::Truth;
 pub use write::{Notes, WriteOptions, write_frame, write_picture, write_picture_with, write_truth};

@@ -4,12 +4,14 @@ mod candidates;
 mod hidden;
 mod lens_points;
 mod margin;
+mod rest;
 
 use optics::Camera;
 use rayon::prelude::*;
 use rgbd::{Cancelled, Frame, Layer, Mask, Picture, PixelWindow, Plane, Progress};
 
 use crate::layers::hidden::{Surface, Walk};
+use crate::layers::rest::Inside;
 use crate::{RenderError, Scene, render};
 
 /// How far the data window reaches beyond the display window.
@@ -66,7 +68,8 @@ impl LayeredFrame {
 /// Makes the RGB-D frame of a view.
 ///
 /// The first layer holds the pinhole picture, its colour the average over the pixel, its depth that of the first hit at
-/// the pixel's centre (+inf where there is none). Each further layer holds at the pixel's centre the next surface that
+/// the pixel's centre (+inf where there is none). What of the colour belongs to other surfaces than that one is the frame's
+/// [rest](Frame::rest), seen by the same samples (unless there is one layer only). Each further layer holds at the pixel's centre the next surface that
 /// at least one of 48 points of the camera's own iris sees, alpha 1, or nothing, alpha 0 and depth unknown. Its colour
 /// is the average of those of 16 samples of the pixel that hit the same surface. Back faces, and so the insides of
 /// solids, are left out. Every ray is traced; no blur size is computed.
@@ -92,23 +95,23 @@ pub fn layers(
     let pinhole = camera.pinhole();
     let samples = 0..settings.color_samples.div_ceil(2);
     let color_progress = Share { whole: progress, from: 0, to: 500 };
-    let color = render(scene, &pinhole, &window.into(), samples, settings.seed, &color_progress)?.picture();
+    let color = render(scene, &pinhole, &window.into(), samples.clone(), settings.seed, &color_progress)?.picture();
     let depth = first_depth(scene, &pinhole, window);
 
-    // Look behind it where the lens can
+    // Look into its pixels, and behind it where the lens can
+    let mut rest = vec![None; window.area()];
     let mut found = vec![Vec::new(); window.area()];
+    if settings.count > 1 {
+        let inside = Inside { scene, camera: &pinhole, samples: samples.end, seed: settings.seed };
+        let step = Share { whole: progress, from: 500, to: 700 };
+        each_pixel(&mut rest, window, &step, |x, y| inside.rest(x, y, &depth))?;
+    }
     if settings.count > 1 && camera.iris.radius() > 0.0 {
         let walk = Walk::new(scene, camera, settings.count - 1);
         let candidates = candidates::near_edges(&depth, camera);
-        let rows = Rows { progress: &Share { whole: progress, from: 500, to: 1000 }, total: window.height };
-        found.par_chunks_mut(window.width as usize).enumerate().try_for_each(|(row, found)| {
-            for (column, surfaces) in found.iter_mut().enumerate() {
-                let (x, y) = (window.x + column as i32, window.y + row as i32);
-                if candidates.at(x, y) {
-                    *surfaces = walk.hidden_surfaces(x, y);
-                }
-            }
-            rows.finish(row)
+        let step = Share { whole: progress, from: 700, to: 1000 };
+        each_pixel(&mut found, window, &step, |x, y| {
+            if candidates.at(x, y) { walk.hidden_surfaces(x, y) } else { Vec::new() }
         })?;
     }
 
@@ -119,6 +122,9 @@ pub fn layers(
     let mut frame = Frame::new(display, layers)?;
     frame.camera = Some(*camera);
     frame.metres_per_unit = scene.metres_per_unit();
+    if settings.count > 1 {
+        frame = frame.with_rest(|x, y| rest[window.index(x, y)]);
+    }
     Ok(LayeredFrame { frame, needed_margin, margin })
 }
 
@@ -165,15 +171,19 @@ impl Progress for Share<'_> {
     }
 }
 
-/// Rows that are finished one by one.
-struct Rows<'a> {
-    progress: &'a dyn Progress,
-    total: u32,
-}
-
-impl Rows<'_> {
-    fn finish(&self, row: usize) -> Result<(), Cancelled> {
-        self.progress.report(row as u64 + 1, u64::from(self.total));
-        if self.progress.is_cancelled() { Err(Cancelled) } else { Ok(()) }
-    }
+/// Fills what each pixel of a window has, in parallel.
+fn each_pixel<T: Send>(
+    values: &mut [T],
+    window: PixelWindow,
+    progress: &dyn Progress,
+    value: impl Fn(i32, i32) -> T + Sync,
+) -> Result<(), Cancelled> {
+    values.par_chunks_mut(window.width as usize).enumerate().try_for_each(|(row, values)| {
+        let y = window.y + row as i32;
+        for (value_at, x) in values.iter_mut().zip(window.x..) {
+            *value_at = value(x, y);
+        }
+        progress.report(row as u64 + 1, u64::from(window.height));
+        if progress.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    })
 }

@@ -1,0 +1,123 @@
+//! What of a pixel's colour belongs to another surface than the one at its centre.
+
+use glam::{DVec2, DVec3, Vec3};
+use optics::Camera;
+use rgbd::{PixelRest, Plane};
+
+use super::hidden::pinhole_ray;
+use crate::sampler::Sampler;
+use crate::{Ray, Scene};
+
+/// How far a sample's inverse depth may lie from the plane that touches the surface at the pixel's centre, over itself.
+const SAME_SURFACE: f64 = 0.01;
+
+/// Samples of each half that look for things which no pixel's centre meets.
+const PROBES: u32 = 2;
+
+/// Looks into pixels with the very samples that their colour is the mean of.
+pub(super) struct Inside<'a> {
+    pub(super) scene: &'a Scene,
+    /// A pinhole.
+    pub(super) camera: &'a Camera,
+    /// Samples in each half.
+    pub(super) samples: u32,
+    pub(super) seed: u64,
+}
+
+/// A surface near one of its points, in camera space: on its plane the inverse depth is affine in the direction q.
+#[derive(Clone, Copy)]
+struct Facing {
+    /// Inverse depth of the point; 0 for the sky.
+    inverse: f64,
+    /// The plane's inverse depth is the product of this and (q, 1).
+    plane: DVec3,
+}
+
+impl Facing {
+    fn plane_at(&self, q: DVec2) -> f64 {
+        self.plane.dot(q.extend(1.0))
+    }
+}
+
+/// A sample that meets another surface.
+struct Other {
+    is_nearer: bool,
+    offset: DVec2,
+    facing: Facing,
+    color: Vec3,
+}
+
+impl Inside<'_> {
+    /// The rest of a pixel; `depth` holds those of all centres.
+    ///
+    /// Where the centres around lie on the same surface only a few samples look for something thin. Of several other surfaces
+    /// in one pixel the nearer or the farther ones count, whichever fill more of it.
+    pub(super) fn rest(&self, x: i32, y: i32, depth: &Plane) -> Option<PixelRest> {
+        let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let (own, _) = self.look(&self.ray(middle));
+        let is_other = |q: DVec2, inverse: f64| {
+            let expected = own.plane_at(q);
+            (inverse - expected).abs() > SAME_SURFACE * inverse.max(expected)
+        };
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+        let beside_edge = around.clone().any(|(dx, dy)| {
+            let there = depth.get(x + dx, y + dy);
+            let q = self.camera.film.q_from_pixel(middle + DVec2::new(f64::from(dx), f64::from(dy)));
+            there.is_some_and(|z| is_other(q, 1.0 / f64::from(z)))
+        });
+
+        let look = |samples: u32| {
+            let of_half = |half| {
+                let sampler = Sampler::new(self.seed, x, y, half);
+                (0..samples).map(move |index| sampler.sample(index).pixel)
+            };
+            let others = [0, 1].into_iter().flat_map(of_half).filter_map(|offset| {
+                let at = DVec2::new(f64::from(x), f64::from(y)) + offset;
+                let q = self.camera.film.q_from_pixel(at);
+                let ray = self.ray(at);
+                let (facing, hit) = self.look(&ray);
+                is_other(q, facing.inverse).then(|| Other {
+                    is_nearer: facing.inverse > own.plane_at(q),
+                    offset: offset - DVec2::splat(0.5),
+                    facing,
+                    color: hit.map_or(self.scene.sky(), |hit| self.scene.shade(&hit, ray.direction.as_dvec3())),
+                })
+            });
+            others.collect::<Vec<_>>()
+        };
+        if !beside_edge && look(PROBES.min(self.samples)).is_empty() {
+            return None;
+        }
+        let mut others = look(self.samples);
+        let nearer = others.iter().filter(|other| other.is_nearer).count();
+        let take_nearer = 2 * nearer >= others.len();
+        others.retain(|other| other.is_nearer == take_nearer);
+
+        // The depth at the centre, by the plane that touches the surface at the nearest sample
+        let distance = |other: &Other| other.offset.length_squared();
+        let nearest = others.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?.facing;
+        let continued = nearest.plane_at(self.camera.film.q_from_pixel(middle));
+        let is_near_by = (0.8 * nearest.inverse..=1.25 * nearest.inverse).contains(&continued);
+        let inverse = if is_near_by { continued } else { nearest.inverse };
+        let total = f64::from(2 * self.samples);
+        let sum: DVec3 = others.iter().map(|other| other.color.as_dvec3()).sum();
+        let [r, g, b] = (sum / total).as_vec3().to_array();
+        let share = others.len() as f64 / total;
+        Some(PixelRest { rgba: [r, g, b, share as f32], depth: (1.0 / inverse) as f32 })
+    }
+
+    fn ray(&self, at: DVec2) -> Ray {
+        pinhole_ray(self.camera, at.x, at.y)
+    }
+
+    /// What a ray meets.
+    fn look(&self, ray: &Ray) -> (Facing, Option<crate::Hit>) {
+        let hit = self.scene.hit(ray);
+        let facing = hit.map_or(Facing { inverse: 0.0, plane: DVec3::ZERO }, |hit| {
+            let point = self.camera.pose.point_to_camera(hit.point);
+            let normal = self.camera.pose.direction_to_camera(hit.normal);
+            Facing { inverse: 1.0 / point.z, plane: normal / normal.dot(point) }
+        });
+        (facing, hit)
+    }
+}
