@@ -283,8 +283,13 @@ impl Splitter<'_> {
         let other_depth = 1.0 / rest.depth;
         let same = beside.filter(|beside| (beside.depth - other_depth).abs() <= self.jump);
         let other_share = rest.rgba[3].min(1.0 - PURE);
-        let other = rest.rgba.map(|c| c / rest.rgba[3]);
-        let own = [0, 1, 2, 3].map(|c| (rgba[c] - other_share * other[c]) / (1.0 - other_share));
+        let seen = rest.rgba.map(|c| c / rest.rgba[3]);
+        let own = [0, 1, 2, 3].map(|c| {
+            let own = (rgba[c] - other_share * seen[c]) / (1.0 - other_share);
+            if rgba[c] >= 0.0 { own.max(0.0) } else { own }
+        });
+        // A hidden layer knows the colour of the far surface over the whole pixel, not only where it is seen
+        let other = hidden.and(same).map_or(seen, |hidden| hidden.rgba);
         let (near, far, share) =
             if is_near { (own, other, 1.0 - other_share) } else { (other, own, other_share) };
         let other_slope = same.map_or([0.0; 2], |beside| beside.slope);

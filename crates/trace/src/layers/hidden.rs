@@ -9,8 +9,6 @@ use crate::{Hit, Ray, Scene};
 
 /// Surfaces that a ray passes before it is given up.
 const MOST_SURFACES: usize = 64;
-/// Samples of a pixel among which those of the same surface are averaged.
-const COLOR_SAMPLES: u32 = 16;
 /// How far a sample may lie from the plane that touches the surface at the pixel's centre, over its depth.
 const SAME_SURFACE: f64 = 0.01;
 
@@ -33,12 +31,15 @@ pub(super) struct Walk<'a> {
     camera: &'a Camera,
     lens: Vec<DVec3>,
     count: usize,
+    /// Of each pixel and half, those samples that the first layer's colour is the mean of.
+    samples: u32,
+    seed: u64,
 }
 
 impl<'a> Walk<'a> {
-    /// A walk that collects up to `count` surfaces a pixel.
-    pub(super) fn new(scene: &'a Scene, camera: &'a Camera, count: usize) -> Self {
-        Self { scene, camera, lens: lens_points(camera), count }
+    /// A walk that collects up to `count` surfaces a pixel, with `samples` in each half.
+    pub(super) fn new(scene: &'a Scene, camera: &'a Camera, count: usize, samples: u32, seed: u64) -> Self {
+        Self { scene, camera, lens: lens_points(camera), count, samples, seed }
     }
 
     /// The surfaces behind the first one at a pixel's centre that some lens point sees, from near to far; the sky ends
@@ -88,8 +89,8 @@ impl<'a> Walk<'a> {
     fn color(&self, x: i32, y: i32, centre: &Hit, direction: DVec3) -> Vec3 {
         let mut sum = self.scene.shade(centre, direction).as_dvec3();
         let mut count = 1.0;
-        let sampler = Sampler::new(0, x, y, 0);
-        for index in 0..COLOR_SAMPLES {
+        let samplers = [0, 1].map(|half| Sampler::new(self.seed, x, y, half));
+        for (sampler, index) in samplers.iter().flat_map(|sampler| (0..self.samples).map(move |i| (sampler, i))) {
             let offset = sampler.sample(index).pixel;
             let ray = pinhole_ray(self.camera, f64::from(x) + offset.x, f64::from(y) + offset.y);
             if let Some(hit) = self.same_surface(&ray, centre) {

@@ -71,7 +71,7 @@ impl LayeredFrame {
 /// the pixel's centre (+inf where there is none). What of the colour belongs to other surfaces than that one is the frame's
 /// [rest](Frame::rest), seen by the same samples (unless there is one layer only). Each further layer holds at the pixel's centre the next surface that
 /// at least one of 48 points of the camera's own iris sees, alpha 1, or nothing, alpha 0 and depth unknown. Its colour
-/// is the average of those of 16 samples of the pixel that hit the same surface. Back faces, and so the insides of
+/// is the average of those samples of the pixel that hit the same surface. Back faces, and so the insides of
 /// solids, are left out. Every ray is traced; no blur size is computed.
 pub fn layers(
     scene: &Scene,
@@ -107,7 +107,7 @@ pub fn layers(
         each_pixel(&mut rest, window, &step, |x, y| inside.rest(x, y, &depth))?;
     }
     if settings.count > 1 && camera.iris.radius() > 0.0 {
-        let walk = Walk::new(scene, camera, settings.count - 1);
+        let walk = Walk::new(scene, camera, settings.count - 1, samples.end, settings.seed);
         let candidates = candidates::near_edges(&depth, camera);
         let step = Share { whole: progress, from: 700, to: 1000 };
         each_pixel(&mut found, window, &step, |x, y| {

@@ -24,7 +24,8 @@ pub(super) struct Inside<'a> {
     pub(super) seed: u64,
 }
 
-/// A surface near one of its points, in camera space: on its plane the inverse depth is affine in the direction q.
+/// A point of a surface in camera space, and the plane that touches it there: on that the inverse depth is affine in the
+/// direction q.
 #[derive(Clone, Copy)]
 struct Facing {
     /// Inverse depth of the point; 0 for the sky.
@@ -42,8 +43,7 @@ impl Facing {
 /// A sample that meets another surface.
 struct Other {
     is_nearer: bool,
-    offset: DVec2,
-    facing: Facing,
+    inverse: f64,
     color: Vec3,
 }
 
@@ -78,8 +78,7 @@ impl Inside<'_> {
                 let (facing, hit) = self.look(&ray);
                 is_other(q, facing.inverse).then(|| Other {
                     is_nearer: facing.inverse > own.plane_at(q),
-                    offset: offset - DVec2::splat(0.5),
-                    facing,
+                    inverse: facing.inverse,
                     color: hit.map_or(self.scene.sky(), |hit| self.scene.shade(&hit, ray.direction.as_dvec3())),
                 })
             });
@@ -93,12 +92,9 @@ impl Inside<'_> {
         let take_nearer = 2 * nearer >= others.len();
         others.retain(|other| other.is_nearer == take_nearer);
 
-        // The depth at the centre, by the plane that touches the surface at the nearest sample
-        let distance = |other: &Other| other.offset.length_squared();
-        let nearest = others.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?.facing;
-        let continued = nearest.plane_at(self.camera.film.q_from_pixel(middle));
-        let is_near_by = (0.8 * nearest.inverse..=1.25 * nearest.inverse).contains(&continued);
-        let inverse = if is_near_by { continued } else { nearest.inverse };
+        // Depth is no mean; that of the middle one holds at the rim of round things too, where a plane tells nothing
+        others.sort_by(|a, b| a.inverse.total_cmp(&b.inverse));
+        let inverse = others.get(others.len() / 2)?.inverse;
         let total = f64::from(2 * self.samples);
         let sum: DVec3 = others.iter().map(|other| other.color.as_dvec3()).sum();
         let [r, g, b] = (sum / total).as_vec3().to_array();
