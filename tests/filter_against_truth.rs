@@ -60,6 +60,22 @@ fn a_truer_rung_is_nearer_to_the_truth() {
     }
 }
 
+/// Knowing what pixels are made of beats taking them apart by guesses.
+#[test]
+fn the_rest_of_pixels_makes_edges_truer() {
+    /// Measured: 0.4 on the landscape, 1.1 to 4.6 on the simple scene. dB.
+    const GAIN_DB: [f64; 2] = [0.2, 0.8];
+    let mut table = Table::new("Two layers, with and without the rest of pixels");
+    for Filtered { shot, traced, scores } in filtered() {
+        let without = traced.score_of(&traced.frame.clone().without_rest(), &traced.camera, rung(3));
+        table.row(shot.name, "rest unknown", without, None);
+        table.row(shot.name, RUNGS[3], scores[3], None);
+        let (gain, least) = (scores[3].edges() - without.edges(), GAIN_DB[usize::from(shot.name.starts_with("simple"))]);
+        assert!(gain >= least, "{}: {gain:.2} dB", shot.name);
+    }
+    table.print();
+}
+
 /// What is left of the truest rung where a plane of focus has other signs than the truth's.
 fn check_flipped(sign: DVec3, is_turned: impl Fn(DVec3) -> bool, least_shots: usize) {
     let turned: Vec<_> = filtered().iter().filter(|shot| is_turned(shot.traced.camera.focus.w())).collect();

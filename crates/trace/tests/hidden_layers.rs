@@ -204,3 +204,61 @@ fn depth_and_hidden_layer_agree_with_the_reference() {
         assert!((color_off / both as f64).abs() < 0.01, "{name}: hidden colours are off by {color_off}");
     }
 }
+
+/// The camera with its film moved by a share of a pixel, so that what lay on the border of pixel 50 lies at 50 + `by`.
+fn moved(camera: &Camera, by: f64) -> Camera {
+    let half = DVec2::new(0.5, 0.25);
+    let by = DVec2::new(by / 100.0, 0.0);
+    Camera { film: Film::new(-half - by, half - by, 100, 50).unwrap(), ..*camera }
+}
+
+#[test]
+fn the_rest_of_a_pixel_is_what_the_other_surface_fills() {
+    let lens = camera([0.0, 0.0, 0.2], 0.5);
+    // The card ends at 50.3, so that the centre of pixel 50 sees the wall; at 50.7 it sees the card
+    for (edge, share, depth, color) in [(0.3, 0.3, 5.0, RED), (0.7, 0.3, 10.0, GREEN)] {
+        let frame = make(&card(true), &moved(&lens, edge), 2, Margin::Pixels(2)).frame;
+        let rest = frame.rest().expect("a frame of two layers knows it");
+        for y in frame.data().y..frame.data().y_end() {
+            let found = rest.at(50, y).expect("two surfaces");
+            // The end cuts one of a half's 32 strata, and the mean colour counts as these do
+            assert!((found.rgba[3] - share).abs() <= 2.0 / 64.0, "{} of {share}", found.rgba[3]);
+            assert!((found.depth - depth).abs() < 1e-5);
+            let expected = [color.x, color.y, color.z].map(|c| c * found.rgba[3]);
+            assert!((0..3).all(|c| (found.rgba[c] - expected[c]).abs() < 1e-6), "{:?}", found.rgba);
+            // Colour less the rest is the other surface's alone
+            let own = if color == RED { GREEN } else { RED };
+            let left = frame.layers()[0].color.at(50, y)[0] - found.rgba[0];
+            assert!((left - own.x * (1.0 - found.rgba[3])).abs() < 1e-6);
+            assert_eq!((rest.at(49, y), rest.at(51, y)), (None, None), "pixels of one surface have none");
+        }
+    }
+    assert!(make(&card(true), &lens, 1, Margin::Pixels(0)).frame.rest().is_none(), "one layer is what any renderer writes");
+}
+
+#[test]
+fn a_wire_between_the_centres_of_pixels_is_found() {
+    let mut builder = SceneBuilder::new();
+    let (red, green) = (builder.material(Material::glowing(RED)), builder.material(Material::glowing(GREEN)));
+    let upright = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    let wall = DAffine3::from_scale_rotation_translation(DVec3::ONE, upright, DVec3::new(0.0, 0.0, -10.0));
+    builder.shape(Shape::Plane, wall, green).unwrap();
+    // 0.4 pixels wide at depth 5, from 50.05 to 50.45
+    let size = DVec3::new(0.01, 20.0, 20.0);
+    let wire = DAffine3::from_scale_rotation_translation(size, upright, DVec3::new(0.0125, 0.0, -5.0));
+    builder.shape(Shape::Rectangle, wire, red).unwrap();
+    let scene = builder.build().unwrap();
+    let frame = make(&scene, &camera([0.0, 0.0, 0.1], 0.5), 2, Margin::Pixels(0)).frame;
+    assert!(frame.layers()[0].depth.values().iter().all(|&z| (z - 10.0).abs() < 1e-5), "no centre meets it");
+    for (x, y) in frame.data().pixels() {
+        match frame.rest().unwrap().at(x, y) {
+            Some(found) => {
+                assert_eq!(x, 50);
+                // Each end cuts one of a half's 32 strata
+                assert!((found.rgba[3] - 0.4).abs() <= 4.0 / 64.0, "{}", found.rgba[3]);
+                assert!((found.depth - 5.0).abs() < 1e-5);
+            }
+            None => assert_ne!(x, 50, "row {y}"),
+        }
+    }
+}
