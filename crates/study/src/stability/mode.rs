@@ -19,8 +19,10 @@ pub enum Mode {
     ApertureClosing,
     /// A ball comes between lens and focus and nearer than the focal length.
     NearObject,
-    /// Pixels lose their depth: 0, negative, NaN and infinite values.
+    /// Pixels lose their depth: 0, negative and NaN.
     DepthHoles,
+    /// Pixels get an infinite depth, which is a value: such a pixel is told to be sky.
+    InfiniteDepth,
     /// A pole one pixel wide, out of focus, crosses pixels.
     ThinOccluder,
     /// A light of one pixel, 10,000 times as bright as the mean, passes through focus.
@@ -60,7 +62,7 @@ pub enum Steadiness {
 
 impl Mode {
     /// All of them.
-    pub const EVERY: [Self; 16] = [
+    pub const EVERY: [Self; 17] = [
         Self::FocusThroughLens,
         Self::VanishingLine,
         Self::FocusBehindCamera,
@@ -68,6 +70,7 @@ impl Mode {
         Self::ApertureClosing,
         Self::NearObject,
         Self::DepthHoles,
+        Self::InfiniteDepth,
         Self::ThinOccluder,
         Self::BrightLight,
         Self::DepthNoise,
@@ -96,6 +99,7 @@ impl Mode {
             Self::ApertureClosing => "aperture-closing",
             Self::NearObject => "near-object",
             Self::DepthHoles => "depth-holes",
+            Self::InfiniteDepth => "infinite-depth",
             Self::ThinOccluder => "thin-occluder",
             Self::BrightLight => "bright-light",
             Self::DepthNoise => "depth-noise",
@@ -119,6 +123,7 @@ impl Mode {
             Self::ApertureClosing | Self::Aperture => "aperture, of the shot's",
             Self::NearObject => "depth of the ball, focal lengths",
             Self::DepthHoles => "share of pixels without depth",
+            Self::InfiniteDepth => "share of pixels at infinity",
             Self::ThinOccluder => "place of the pole, px",
             Self::BrightLight => "blur radius of the light, px",
             Self::DepthNoise => "noise of the depth, of it",
@@ -135,7 +140,15 @@ impl Mode {
     pub fn steadiness(self) -> Steadiness {
         match self {
             // The truth knows nothing of bad depth
-            Self::DepthHoles | Self::DepthNoise | Self::QuantisedDepth => Steadiness::OwnMean { k: 4.0 },
+            Self::DepthHoles | Self::InfiniteDepth | Self::DepthNoise | Self::QuantisedDepth => {
+                Steadiness::OwnMean { k: 4.0 }
+            }
+            // Depth is one sample of a pixel: the pole, which the truth moves by a 21st of a pixel, moves by a whole one in
+            // the frame, if only in some rows at a step
+            Self::ThinOccluder => Steadiness::Truth { k: 4.0 },
+            // The frame knows of the round light that it is a square pixel, and the few pixels of a small disc get their
+            // light by radius and not by area
+            Self::BrightLight => Steadiness::Truth { k: 4.0 },
             _ => Steadiness::Truth { k: 2.0 },
         }
     }

@@ -19,10 +19,8 @@ const BLOCK: f64 = 196.0;
 const TOP: f64 = 118.0;
 
 /// The two plots of a mode, from its own top: errors, changes.
-const PLOTS: [Rect; 2] = [
-    Rect { x: 52.0, y: 42.0, width: 252.0, height: 112.0 },
-    Rect { x: 374.0, y: 42.0, width: 252.0, height: 112.0 },
-];
+const PLOTS: [Rect; 2] =
+    [Rect { x: 52.0, y: 42.0, width: 252.0, height: 112.0 }, Rect { x: 374.0, y: 42.0, width: 252.0, height: 112.0 }];
 
 /// The whole file.
 pub(super) fn draw(stability: &Stability) -> String {
@@ -45,8 +43,12 @@ pub(super) fn draw(stability: &Stability) -> String {
 /// A line for each method, and for truth and no filter.
 fn legend(stability: &Stability) -> Markup {
     let methods = stability.methods();
-    let names = methods.iter().enumerate().map(|(i, (name, family))| (stroke(*family, is_second(&methods, i)), short(name)));
-    let fixed = [("noise".to_owned(), "truth's change, allowed".to_owned()), (stroke(Family::Pinhole, false), "no filter".to_owned())];
+    let names =
+        methods.iter().enumerate().map(|(i, (name, family))| (stroke(*family, is_second(&methods, i)), short(name)));
+    let fixed = [
+        ("noise".to_owned(), "truth's change, allowed".to_owned()),
+        (stroke(Family::Pinhole, false), "no filter".to_owned()),
+    ];
     html! {
         @for (i, (class, name)) in fixed.into_iter().chain(names).enumerate() {
             @let (x, y) = (16.0 + 152.0 * (i % 4) as f64, 66.0 + 17.0 * (i / 4) as f64);

@@ -38,9 +38,11 @@ pub fn refusals() -> Vec<Refusal> {
         optics("focus within the focal length", lens.focused_at(DVec2::ZERO, 0.04), |e| {
             matches!(e, E::DepthTooNear { .. })
         }),
-        optics("a plane of focus behind the camera, nearer than the sensor", ThinLens::at_image_distance(&behind, 0.05, 2.8), |e| {
-            matches!(e, E::FacesAway { .. })
-        }),
+        optics(
+            "a plane of focus behind the camera, nearer than the sensor",
+            ThinLens::at_image_distance(&behind, 0.05, 2.8),
+            |e| matches!(e, E::FacesAway { .. }),
+        ),
         optics("a hinge within the focal length", ThinLens::of_focal_length(&near_hinge, 0.05, 2.8), |e| {
             matches!(e, E::HingeTooNear { .. })
         }),

@@ -87,8 +87,10 @@ impl Stability {
     /// Names and families of the methods, in their order.
     #[must_use]
     pub fn methods(&self) -> Vec<(String, Family)> {
-        let of_sweeps = self.sweeps.first().map(|sweep| sweep.curves.iter().map(|c| (c.name.clone(), c.family)).collect());
-        let of_clips = || self.flickers.first().map(|clip| clip.methods.iter().map(|m| (m.name.clone(), m.family)).collect());
+        let of_sweeps =
+            self.sweeps.first().map(|sweep| sweep.curves.iter().map(|c| (c.name.clone(), c.family)).collect());
+        let of_clips =
+            || self.flickers.first().map(|clip| clip.methods.iter().map(|m| (m.name.clone(), m.family)).collect());
         of_sweeps.or_else(of_clips).unwrap_or_default()
     }
 
@@ -153,7 +155,8 @@ impl Stability {
     pub fn to_text(&self) -> String {
         let methods = self.methods();
         let mut rows = Vec::new();
-        let names = |first: &str| [first.to_owned()].into_iter().chain(methods.iter().map(|(name, _)| short(name))).collect();
+        let names =
+            |first: &str| [first.to_owned()].into_iter().chain(methods.iter().map(|(name, _)| short(name))).collect();
         if !self.sweeps.is_empty() {
             rows.push(names("worst over allowed"));
         }
@@ -212,7 +215,8 @@ fn aligned(rows: &[Vec<String>]) -> String {
     let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
     let line = |row: &Vec<String>| {
         let cells = row.iter().zip(&widths).enumerate();
-        let cells = cells.map(|(i, (cell, &width))| if i == 0 { format!("{cell:width$}") } else { format!("{cell:>width$}") });
+        let cells =
+            cells.map(|(i, (cell, &width))| if i == 0 { format!("{cell:width$}") } else { format!("{cell:>width$}") });
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
     rows.iter().map(line).collect::<Vec<_>>().join("\n")

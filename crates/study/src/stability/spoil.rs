@@ -5,7 +5,8 @@ use rgbd::{Frame, Layer, PixelWindow, Plane};
 /// The frame with each layer's depth replaced by a function of layer, pixel and depth; unknown depth stays unknown.
 fn with_depth(frame: &Frame, depth: impl Fn(usize, i32, i32, f32) -> f32) -> Frame {
     let layers = frame.layers().iter().enumerate().map(|(index, layer)| {
-        let at = |x: i32, y: i32| if layer.known.at(x, y) { depth(index, x, y, layer.depth.at(x, y)) } else { f32::NAN };
+        let at =
+            |x: i32, y: i32| if layer.known.at(x, y) { depth(index, x, y, layer.depth.at(x, y)) } else { f32::NAN };
         Layer::from_raw_depth(layer.color.clone(), Plane::from_fn(layer.window(), at))
     });
     rebuilt(frame, layers.collect())
@@ -18,15 +19,22 @@ fn rebuilt(frame: &Frame, layers: Vec<Layer>) -> Frame {
     spoilt
 }
 
-/// A share of the first layer's pixels, in blocks of 2 x 2, holds 0, a negative number, NaN or infinity in place of its
-/// depth; the larger the share, the more of them, and none comes back.
+/// A share of the first layer's pixels, in blocks of 2 x 2, holds 0, a negative number or NaN in place of its depth.
 pub(super) fn with_holes(frame: &Frame, share: f64) -> Frame {
+    with_blocks(frame, share, |chance| [0.0, -1.0, f32::NAN][(3.0 * chance) as usize])
+}
+
+/// A share of the first layer's pixels, in blocks of 2 x 2, is infinitely far.
+pub(super) fn with_sky(frame: &Frame, share: f64) -> Frame {
+    with_blocks(frame, share, |_| f32::INFINITY)
+}
+
+/// A share of the first layer's blocks of 2 x 2 pixels with a depth by chance (0 to 1); the larger the share, the more of
+/// them, and none comes back.
+fn with_blocks(frame: &Frame, share: f64, value: impl Fn(f64) -> f32) -> Frame {
     with_depth(frame, |layer, x, y, depth| {
         let (u, v) = (x.div_euclid(2), y.div_euclid(2));
-        if layer > 0 || uniform(u, v, 0) >= share {
-            return depth;
-        }
-        [0.0, -1.0, f32::NAN, f32::INFINITY][(4.0 * uniform(u, v, 1)) as usize]
+        if layer > 0 || uniform(u, v, 0) >= share { depth } else { value(uniform(u, v, 1)) }
     })
 }
 
@@ -131,7 +139,8 @@ mod tests {
         let half = as_half(&ramp());
         let levels = quantised(&ramp(), 1.0 / 255.0);
         for (x, y) in PixelWindow::from_corners(0, 1, 64, 64).pixels() {
-            let (z, h, l) = (ramp().layers()[0].depth.at(x, y), half.layers()[0].depth.at(x, y), levels.layers()[0].depth.at(x, y));
+            let (z, h, l) =
+                (ramp().layers()[0].depth.at(x, y), half.layers()[0].depth.at(x, y), levels.layers()[0].depth.at(x, y));
             assert!((h / z - 1.0).abs() <= 1.0 / 2048.0, "{z} as {h}");
             assert!((1.0 / l - 1.0 / z).abs() <= 0.501 / 255.0, "{z} as {l}");
         }

@@ -27,7 +27,11 @@ impl<'a> Stage<'a> {
         let radius = camera.iris.radius();
         if radius == 0.0 {
             let what = "aperture radius of the shot";
-            return Err(StudyError::BadSetting { what, value: radius, wanted: "more than 0, as there is no blur without" });
+            return Err(StudyError::BadSetting {
+                what,
+                value: radius,
+                wanted: "more than 0, as there is no blur without",
+            });
         }
         let distance = camera.focus.distance();
         if !distance.is_finite() {

@@ -57,6 +57,7 @@ impl<'a> Sweep<'a> {
             Mode::FocusDistance => lens_sweeps::focus_distance(stage, steps),
             Mode::Aperture => lens_sweeps::aperture(stage, steps),
             Mode::DepthHoles => Self::spoilt(mode, stage, spoil::with_holes, linear(0.0, 0.3, steps)),
+            Mode::InfiniteDepth => Self::spoilt(mode, stage, spoil::with_sky, linear(0.0, 0.1, steps)),
             Mode::DepthNoise => Self::spoilt(mode, stage, spoil::with_noise, linear(0.0, 0.05, steps)),
             Mode::QuantisedDepth => {
                 Self::spoilt(mode, stage, spoil::quantised, geometric(1.0 / 4096.0, 1.0 / 32.0, steps))

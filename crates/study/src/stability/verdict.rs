@@ -57,8 +57,7 @@ impl Verdict {
         if self.non_finite > 0 {
             return Some(format!("{} pixels not finite", self.non_finite));
         }
-        let criteria =
-            [("change", self.change_rms), ("peak change", self.change_peak), ("error", self.error)];
+        let criteria = [("change", self.change_rms), ("peak change", self.change_peak), ("error", self.error)];
         let (what, worst) = criteria.into_iter().max_by(|(_, a), (_, b)| a.ratio.total_cmp(&b.ratio))?;
         (!worst.holds()).then(|| format!("{what} {:.2}x at {:.3}", worst.ratio, worst.at))
     }
@@ -85,9 +84,8 @@ impl Judge<'_> {
         };
         let places = || changes.iter().zip(self.truth_change).zip(self.change_at);
         let (own_rms, own_peak) = (mean(|change| change.rms), mean(|change| change.peak));
-        let change_rms = Worst::of(
-            places().map(|((own, truth), &at)| (own.rms / allowed(own_rms, truth.rms, truth.noise_rms), at)),
-        );
+        let change_rms =
+            Worst::of(places().map(|((own, truth), &at)| (own.rms / allowed(own_rms, truth.rms, truth.noise_rms), at)));
         let change_peak = Worst::of(
             places().map(|((own, truth), &at)| (own.peak / allowed(own_peak, truth.peak, truth.noise_peak), at)),
         );
