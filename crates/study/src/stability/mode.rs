@@ -116,9 +116,9 @@ impl Mode {
     #[must_use]
     pub fn axis(self) -> &'static str {
         match self {
-            Self::FocusThroughLens => "distance of the plane of focus, of where it begins",
+            Self::FocusThroughLens => "distance of the plane of focus, relative",
             Self::VanishingLine => "height of the vanishing line, half pictures",
-            Self::FocusBehindCamera => "inverse depth of focus, of where it begins",
+            Self::FocusBehindCamera => "inverse depth of focus, relative",
             Self::SmallBlur => "blur radius of the wall, px",
             Self::ApertureClosing | Self::Aperture => "aperture, of the shot's",
             Self::NearObject => "depth of the ball, focal lengths",
