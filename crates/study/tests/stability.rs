@@ -64,7 +64,7 @@ impl Contender for HardThreshold {
     }
 }
 
-/// The default rung, which forgets to blur in the second half of a sweep, and then blurs again for three steps.
+/// The default rung, which forgets to blur from the 20th to the 40th step.
 struct Popping {
     calls: AtomicUsize,
 }
@@ -117,16 +117,7 @@ fn each<'a>(index: usize) -> impl Iterator<Item = (Mode, &'a Curve)> {
 /// - `near-object`: a silhouette is one from a step of 1 px of blur on (`LEAST_JUMP_PX`), all at once.
 /// - `thin-occluder`: depth is one sample of a pixel, so that a pole of one pixel moves in whole pixels.
 /// - `infinite-depth`: a pixel that is told to be sky is blurred as sky, whatever it was.
-/// - `aperture`: the kernel changes from disc to ellipse for the whole picture at once.
-/// - `depth-noise`, `quantised-depth`: silhouettes come and go by the same step of 1 px.
-const KNOWN: [(Mode, f64); 6] = [
-    (Mode::NearObject, 0.0),
-    (Mode::ThinOccluder, 0.0),
-    (Mode::InfiniteDepth, 0.0),
-    (Mode::Aperture, 0.0),
-    (Mode::DepthNoise, 0.0),
-    (Mode::QuantisedDepth, 0.0),
-];
+const KNOWN: [(Mode, f64); 3] = [(Mode::NearObject, 2.23), (Mode::ThinOccluder, 3.47), (Mode::InfiniteDepth, 1.24)];
 
 #[test]
 fn the_default_rung_fails_softly_at_every_bad_point() {
@@ -158,9 +149,15 @@ fn a_plane_of_focus_through_the_lens_centre_is_refused_there_and_only_there() {
 }
 
 #[test]
-fn a_hard_threshold_is_caught_wherever_depth_is_sound_and_where_it_is_lost() {
-    // Where depth gets worse it is the step that is judged, and single pixels cross the threshold at any step
-    let judged = |mode: &Mode| !matches!(mode, Mode::DepthNoise | Mode::QuantisedDepth | Mode::InfiniteDepth);
+fn a_hard_threshold_is_caught_where_it_shows_and_where_depth_is_lost() {
+    // Where depth gets worse it is the step that is judged, and single pixels cross the threshold at any step. A closing
+    // aperture moves the threshold's border no faster than the truth changes, a shift hides it (see below)
+    let judged = |mode: &Mode| {
+        !matches!(
+            mode,
+            Mode::DepthNoise | Mode::QuantisedDepth | Mode::InfiniteDepth | Mode::ApertureClosing | Mode::Shift
+        )
+    };
     let missed: Vec<_> =
         each(1).filter(|(mode, curve)| judged(mode) && curve.verdict.holds()).map(|(mode, _)| mode).collect();
     assert!(missed.is_empty(), "{missed:?}");
@@ -169,9 +166,11 @@ fn a_hard_threshold_is_caught_wherever_depth_is_sound_and_where_it_is_lost() {
 }
 
 #[test]
-fn a_jump_between_two_sound_pictures_is_caught_in_every_sweep() {
+fn a_jump_between_two_sound_pictures_is_caught_in_every_sweep_but_a_shift() {
+    // A shift moves all texture: the truth changes by more in each step than blur that comes and goes does
     let missed: Vec<_> = each(2)
         .filter(|(_, curve)| curve.verdict.change_rms.holds() && curve.verdict.change_peak.holds())
+        .filter(|(mode, _)| *mode != Mode::Shift)
         .map(|(mode, _)| mode)
         .collect();
     assert!(missed.is_empty(), "{missed:?}");
