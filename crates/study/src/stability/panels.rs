@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::report::short;
-use super::{Mode, Stability, SweepFigures};
+use super::{Estimate, Mode, Stability, SweepFigures};
 use crate::{
     Family,
     chart_svg::{joined, line, path, svg},
@@ -86,9 +86,9 @@ fn moved(rect: Rect, down: f64) -> Rect {
 }
 
 fn errors(sweep: &SweepFigures, plot: Rect) -> Markup {
-    let unfiltered: Vec<f64> = sweep.unfiltered.iter().map(|error| error.rmse()).collect();
+    let unfiltered: Vec<f64> = sweep.unfiltered.iter().map(Estimate::rmse).collect();
     let curves: Vec<Vec<f64>> =
-        sweep.curves.iter().map(|curve| curve.error.iter().map(|error| error.rmse()).collect()).collect();
+        sweep.curves.iter().map(|curve| curve.error.iter().map(Estimate::rmse).collect()).collect();
     let axes = Axes::new(sweep, plot, curves.iter().flatten().chain(&unfiltered).copied());
     html! {
         (axes.draw(sweep))
