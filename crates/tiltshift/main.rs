@@ -43,6 +43,8 @@ enum Command {
     Hybrid(command::hybrid::Options),
     /// Run every method on a shot of a scene, and chart time against error.
     Chart(command::chart::Options),
+    /// Sweep every method through the points where methods fail, and say where it does not fail softly.
+    Stability(command::stability::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
     Demo(command::demo::Options),
 }
@@ -80,6 +82,7 @@ fn run(command: Command) -> Outcome {
         Command::Lens(options) => command::lens::run(&options),
         Command::Hybrid(options) => command::hybrid::run(&options),
         Command::Chart(options) => command::chart::run(&options),
+        Command::Stability(options) => command::stability::run(&options),
         Command::Demo(options) => command::demo::run(&options),
     };
     // Whatever error an interrupted stage came up with, it was the interruption

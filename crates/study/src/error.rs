@@ -13,6 +13,12 @@ pub enum StudyError {
     /// The tracer refuses the scene or the number of samples.
     #[error(transparent)]
     Render(#[from] trace::RenderError),
+    /// A lens or a camera has no meaning.
+    #[error(transparent)]
+    Optics(#[from] optics::OpticsError),
+    /// Things do not make a scene.
+    #[error(transparent)]
+    Scene(#[from] trace::SceneError),
     /// A picture cannot be compared.
     #[error(transparent)]
     Compare(#[from] compare::CompareError),

@@ -27,6 +27,7 @@ mod pareto;
 mod rung;
 mod series;
 mod series_svg;
+mod stability;
 mod step;
 mod timing;
 
@@ -39,4 +40,9 @@ pub use measure::{Measured, Subject, measure};
 pub use pareto::{Tradeoff, dominated_by, frontier};
 pub use rung::{Family, Rung};
 pub use series::{Growth, Over, Place, SERIES_FORMAT, Series};
+pub use stability::{
+    Clip, Contender, Curve, Estimate, Failed, Flicker, Flickers, Mode, Quality, Refusal, STABILITY_FORMAT, Sensitivity,
+    Spoilt, Stability, StabilityConditions, Stage, Staged, Steadiness, Sweep, SweepFigures, TruthChange, Verdict,
+    Worst, refusals, run_clip, run_sensitivity, run_sweep,
+};
 pub use timing::Timing;

@@ -9,3 +9,4 @@ pub(crate) mod info;
 pub(crate) mod lens;
 pub(crate) mod merge;
 pub(crate) mod render;
+pub(crate) mod stability;
