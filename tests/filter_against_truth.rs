@@ -70,7 +70,8 @@ fn the_rest_of_pixels_makes_edges_truer() {
         let without = traced.score_of(&traced.frame.clone().without_rest(), &traced.camera, rung(3));
         table.row(shot.name, "rest unknown", without, None);
         table.row(shot.name, RUNGS[3], scores[3], None);
-        let (gain, least) = (scores[3].edges() - without.edges(), GAIN_DB[usize::from(shot.name.starts_with("simple"))]);
+        let (gain, least) =
+            (scores[3].edges() - without.edges(), GAIN_DB[usize::from(shot.name.starts_with("simple"))]);
         assert!(gain >= least, "{}: {gain:.2} dB", shot.name);
     }
     table.print();

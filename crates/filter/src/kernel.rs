@@ -203,6 +203,20 @@ impl KernelTable {
     }
 }
 
+/// How much of its departure from an upright iris a footprint of `radius` pixels is drawn with, 0 to 1.
+///
+/// Where a kernel is hardly larger than its pixel, the weights of the pixels beside it are small differences of large numbers:
+/// at r = 0.6 an ellipse drawn as it is would differ from a disc 17 times as much as it should. This share gives its
+/// variances the ratio of the ellipse's; it was measured on the pixel lattice and is fitted within 0.02 up to 1 px. Beyond
+/// 1.2 px what is measured varies around 1.
+#[inline(always)]
+pub(crate) fn ellipse_share(radius: f32) -> f32 {
+    let square = radius * radius;
+    let share = 0.14 * square;
+    // 1 where both are equal, so that nothing is divided by less than 0.19
+    share / (1.0 - 0.58 * square).max(share)
+}
+
 /// The share of the mirrored outline in a footprint whose shorter half axis is `shorter` pixels, 0 to 1/2.
 #[inline(always)]
 pub(crate) fn mirrored_share(shorter: f32) -> f32 {
@@ -316,6 +330,28 @@ mod tests {
                     assert!((found - wanted).abs() < 0.03 * wanted + 0.02, "{what}: {found} {wanted}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_small_ellipse_blurs_as_much_more_one_way_as_it_is_longer() {
+        let table = KernelTable::new(ApertureShape::Disc, Oval(1.0));
+        for (radius, height) in [0.2, 0.4, 0.6, 0.8, 0.9, 1.0].into_iter().flat_map(|r| [(r, 1.02_f32), (r, 1.1)]) {
+            let kernel = table.at(radius);
+            let departure = |height: f32| {
+                let weight = |x: f32, y: f32| table.weight([x * height, y / height], radius, &kernel);
+                let mut second = [0.0; 2];
+                for (x, y) in (-4..=4).flat_map(|y| (-4..=4).map(move |x| (x as f32, y as f32))) {
+                    second = [second[0] + weight(x, y) * x * x, second[1] + weight(x, y) * y * y];
+                }
+                (second[1] / second[0]).ln()
+            };
+            let wanted = 4.0 * height.ln();
+            let found = departure(1.0 + ellipse_share(radius) * (height - 1.0));
+            assert!((found - wanted).abs() < 0.2 * wanted, "radius {radius}: {found} instead of {wanted}");
+            // Drawn as it is, it loses all weight on one side
+            let full = departure(height);
+            assert!(full.is_nan() || full > 2.5 * wanted, "radius {radius}: {full} instead of {wanted}");
         }
     }
 

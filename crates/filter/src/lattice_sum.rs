@@ -24,6 +24,8 @@ pub(crate) struct Row {
     pub(crate) inverse: [f32; SPAN],
     /// The share of the outline that is upside down.
     pub(crate) mirrored: [f32; SPAN],
+    /// How much of an ellipse is drawn as if the iris were upright.
+    pub(crate) upright: [f32; SPAN],
     /// Offsets of a larger metric receive nothing from this row.
     pub(crate) limit: f32,
 }
@@ -31,16 +33,26 @@ pub(crate) struct Row {
 impl Default for Row {
     fn default() -> Self {
         let line = [0.0; SPAN];
-        Self { a: line, b: line, weight: line, rgba: [line; 4], turn: line, inverse: line, mirrored: line, limit: 0.0 }
+        Self {
+            a: line,
+            b: line,
+            weight: line,
+            rgba: [line; 4],
+            turn: line,
+            inverse: line,
+            mirrored: line,
+            upright: line,
+            limit: 0.0,
+        }
     }
 }
 
 impl Row {
     /// Forgets what its first `count` cells and the vector after them hold.
     pub(crate) fn clear(&mut self, count: usize) {
-        let Self { a, b, weight, rgba, turn, inverse, mirrored, limit } = self;
+        let Self { a, b, weight, rgba, turn, inverse, mirrored, upright, limit } = self;
         *limit = 0.0;
-        for line in [a, b, weight, turn, inverse, mirrored].into_iter().chain(rgba) {
+        for line in [a, b, weight, turn, inverse, mirrored, upright].into_iter().chain(rgba) {
             line[..(count + LANES).min(SPAN)].fill(0.0);
         }
     }
@@ -52,6 +64,8 @@ pub(crate) struct Offset {
     /// Metric of its offset, and of the opposite one.
     pub(crate) metric: f32,
     pub(crate) mirrored: f32,
+    /// What both are more for an upright iris.
+    pub(crate) upright: [f32; 2],
     /// What its defocus is more, for the focus of the receiving cell, in cells.
     pub(crate) bend: f32,
     /// w R e_z . u of the exact footprint.
@@ -116,7 +130,7 @@ impl Offsets {
 /// What the eight cells from column `x` on receive, in two rows; `rows` starts `reach` above the upper one. Cells that receive
 /// nothing are 0. Alpha is 1 if all is `OPAQUE`.
 #[inline(always)]
-pub(crate) fn sum<S: Simd, const BENT: bool, const ODD: bool, const OPAQUE: bool>(
+pub(crate) fn sum<S: Simd, const BENT: bool, const ELLIPTIC: bool, const ODD: bool, const OPAQUE: bool>(
     simd: S,
     rows: &[Row],
     spans: &[Span],
@@ -133,10 +147,11 @@ pub(crate) fn sum<S: Simd, const BENT: bool, const ODD: bool, const OPAQUE: bool
             let at = |line: &[f32; SPAN]| f32x8::from_slice(simd, &line[i..i + LANES]);
             let (a, b) = (at(&row.a), at(&row.b));
             for (sums, offset) in sums.iter_mut().zip(pair) {
-                let cover = |metric: f32| {
+                let cover = |metric: f32, upright: f32| {
                     let mut metric = f32x8::splat(simd, metric);
-                    if BENT {
-                        let lean = at(&row.inverse) * offset.skew;
+                    if ELLIPTIC {
+                        metric = at(&row.upright).mul_add(f32x8::splat(simd, upright), metric);
+                        let lean = at(&row.inverse) * (one - at(&row.upright)) * offset.skew;
                         metric *= lean.mul_add(lean * 3.0 - 2.0, one);
                     }
                     let mut cover = a - b * metric;
@@ -145,9 +160,9 @@ pub(crate) fn sum<S: Simd, const BENT: bool, const ODD: bool, const OPAQUE: bool
                     }
                     cover.max(0.0).min(1.0)
                 };
-                let mut share = cover(offset.metric);
+                let mut share = cover(offset.metric, offset.upright[0]);
                 if ODD {
-                    share = (cover(offset.mirrored) - share).mul_add(at(&row.mirrored), share);
+                    share = (cover(offset.mirrored, offset.upright[1]) - share).mul_add(at(&row.mirrored), share);
                 }
                 if BENT {
                     // 1 / (1 + change of the defocus)^3, to second order

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 
 use crate::{
-    kernel::mirrored_share,
+    kernel::{ellipse_share, mirrored_share},
     lattice::{Lattice, Plan, STEPS},
     lattice_sum::{CHANNELS, Offset, Offsets, Row, SPAN, Span, sum},
     lens_map::PixelLens,
@@ -44,7 +44,8 @@ impl Lattice<'_> {
         let reach = scratch.offsets.reach;
 
         // Lay out what the cells receive from
-        let is_bent = lens.focus_slope != [0.0; 2] || lens.center.skew != [0.0; 2] || self.is_odd();
+        let is_elliptic = lens.center.is_elliptic() || lens.center.skew != [0.0; 2];
+        let is_bent = lens.focus_slope != [0.0; 2] || is_elliptic || self.is_odd();
         let (width, height) = ((columns + 2 * reach) as usize, (lines + 2 * reach + 1) as usize);
         scratch.rows.resize_with(height.max(scratch.rows.len()), Row::default);
         for (j, row) in scratch.rows[..height].iter_mut().enumerate() {
@@ -67,7 +68,8 @@ impl Lattice<'_> {
                 if plan.level == 0 && self.in_sight.at(part.x + i, part.y + j) {
                     continue;
                 }
-                let mut sums = self.sum(simd, (rows, &scratch.spans, &scratch.offsets), i as usize, is_bent);
+                let mut sums =
+                    self.sum(simd, (rows, &scratch.spans, &scratch.offsets), i as usize, [is_bent, is_elliptic]);
                 for (row, sums) in sums.iter_mut().enumerate() {
                     if OPEN {
                         // The weights were divided by the blur radius
@@ -105,15 +107,18 @@ impl Lattice<'_> {
         simd: S,
         (rows, spans, offsets): (&[Row], &[Span], &Offsets),
         x: usize,
-        is_bent: bool,
+        [is_bent, is_elliptic]: [bool; 2],
     ) -> [[[f32; LANES]; CHANNELS]; 2] {
-        match (is_bent, self.is_odd(), self.is_opaque) {
-            (false, false, true) => sum::<S, false, false, true>(simd, rows, spans, offsets, x),
-            (false, false, false) => sum::<S, false, false, false>(simd, rows, spans, offsets, x),
-            (true, false, true) => sum::<S, true, false, true>(simd, rows, spans, offsets, x),
-            (true, false, false) => sum::<S, true, false, false>(simd, rows, spans, offsets, x),
-            (_, true, true) => sum::<S, true, true, true>(simd, rows, spans, offsets, x),
-            (_, true, false) => sum::<S, true, true, false>(simd, rows, spans, offsets, x),
+        let kind = (is_bent, is_elliptic, self.is_odd());
+        match (kind, self.is_opaque) {
+            ((false, ..), true) => sum::<S, false, false, false, true>(simd, rows, spans, offsets, x),
+            ((false, ..), false) => sum::<S, false, false, false, false>(simd, rows, spans, offsets, x),
+            ((true, false, false), true) => sum::<S, true, false, false, true>(simd, rows, spans, offsets, x),
+            ((true, false, false), false) => sum::<S, true, false, false, false>(simd, rows, spans, offsets, x),
+            ((true, true, false), true) => sum::<S, true, true, false, true>(simd, rows, spans, offsets, x),
+            ((true, true, false), false) => sum::<S, true, true, false, false>(simd, rows, spans, offsets, x),
+            ((true, _, true), true) => sum::<S, true, true, true, true>(simd, rows, spans, offsets, x),
+            ((true, _, true), false) => sum::<S, true, true, true, false>(simd, rows, spans, offsets, x),
         }
     }
 
@@ -192,6 +197,9 @@ impl Lattice<'_> {
                 let mirror = mirrored_share(own);
                 *mirrored = if defocus < 0.0 { 1.0 - mirror } else { mirror };
             }
+            for (upright, &own) in row.upright[from..to].iter_mut().zip(&*radii) {
+                *upright = 1.0 - ellipse_share(own);
+            }
         }
         if BENT || OPEN {
             for (inverse, own) in inverse.iter_mut().zip(&*radii) {
@@ -256,9 +264,13 @@ impl Lattice<'_> {
             let skew = center.skew[0] * u + center.skew[1] * v;
             let bend = bend[0] * x + bend[1] * y;
             let less = if is_disc { bend * bend } else { 0.0 };
+            let [upright, .., down] = center.drawn(0.0);
+            let [metric, mirrored] = [self.outline.metric(u, v), self.outline.metric(-u, -v)];
+            let [a, b] = [upright * x, down * y];
             Offset {
-                metric: self.outline.metric(u, v) - less,
-                mirrored: self.outline.metric(-u, -v) - less,
+                metric: metric - less,
+                mirrored: mirrored - less,
+                upright: [self.outline.metric(a, b) - metric, self.outline.metric(-a, -b) - mirrored],
                 bend,
                 skew,
             }

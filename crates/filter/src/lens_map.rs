@@ -8,6 +8,8 @@
 use glam::{DMat2, DVec2, DVec3};
 use optics::{Camera, KernelModel};
 
+use crate::{kernel::ellipse_share, oval::Oval};
+
 /// How the shape of a pixel's footprint is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KernelRule {
@@ -53,6 +55,8 @@ pub(crate) struct PixelLens {
     pub(crate) widest: f32,
     /// From a pixel offset (x right, y down) to iris coordinates scaled by the blur radius, row by row.
     pub(crate) to_iris: [f32; 4],
+    /// The same in the middle of an upright iris: along x, and 1 over it upwards.
+    pub(crate) upright: f32,
     /// w R e_z: the skew of the exact footprint.
     pub(crate) skew: [f32; 2],
 }
@@ -69,7 +73,8 @@ impl PixelLens {
         let focus = camera.focus.inverse_depth(q);
         if model == KernelModel::Disc {
             let scale = camera.pixels_per_defocus().max_element() as f32;
-            return Self { focus: focus as f32, scale, widest: scale, to_iris: [1.0, 0.0, 0.0, -1.0], skew: [0.0; 2] };
+            let to_iris = [1.0, 0.0, 0.0, -1.0];
+            return Self { focus: focus as f32, scale, widest: scale, to_iris, upright: 1.0, skew: [0.0; 2] };
         }
 
         let map = spread(camera, q);
@@ -80,6 +85,7 @@ impl PixelLens {
                 scale: 0.0,
                 widest: 0.0,
                 to_iris: [1.0, 0.0, 0.0, -1.0],
+                upright: 1.0,
                 skew: [0.0; 2],
             };
         }
@@ -99,25 +105,41 @@ impl PixelLens {
             scale: scale as f32,
             widest: (widest * stretch) as f32,
             to_iris: [inverse.x_axis.x, inverse.y_axis.x, inverse.x_axis.y, inverse.y_axis.y].map(|v| v as f32),
+            upright: Oval::of(camera).0,
             skew: [skew.x as f32, skew.y as f32],
         }
     }
 
-    /// An offset (x right, y down) in iris coordinates scaled by the blur radius, as if there were no skew.
+    /// The map to iris coordinates that a footprint is drawn with, with a share of the departure from an upright iris.
     #[inline(always)]
+    pub(crate) fn drawn(&self, ellipse: f32) -> [f32; 4] {
+        let upright = [self.upright, 0.0, 0.0, -1.0 / self.upright];
+        std::array::from_fn(|i| upright[i] + ellipse * (self.to_iris[i] - upright[i]))
+    }
+
+    /// Whether it departs from an upright iris.
+    pub(crate) fn is_elliptic(&self) -> bool {
+        self.to_iris != self.drawn(0.0)
+    }
+
+    /// An offset (x right, y down) in iris coordinates scaled by the blur radius, as if there were no skew.
+    #[cfg(test)]
     pub(crate) fn unskewed(&self, x: f32, y: f32) -> [f32; 2] {
         let m = &self.to_iris;
         [m[0] * x + m[1] * y, m[2] * x + m[3] * y]
     }
 
     /// An offset (x right, y down) in iris coordinates scaled by the blur radius, the iris turned upside down behind the
-    /// plane of focus; `defocus` is the neighbour's, in pixels of radius.
+    /// plane of focus, as it is drawn; `defocus` is the neighbour's, in pixels of radius, before any limit to the `radius`.
     #[inline(always)]
-    pub(crate) fn iris_offset(&self, x: f32, y: f32, defocus: f32) -> [f32; 2] {
-        let [mut a, mut b] = self.unskewed(x, y);
+    pub(crate) fn iris_offset(&self, x: f32, y: f32, defocus: f32, radius: f32) -> [f32; 2] {
+        let ellipse = ellipse_share(radius);
+        let m = self.drawn(ellipse);
+        let (mut a, mut b) = (m[0] * x + m[1] * y, m[2] * x + m[3] * y);
         // Undo the skew where the footprint is large enough to have a shape
         if self.skew != [0.0; 2] && defocus.abs() > 0.5 {
-            let factor = 1.0 / (1.0 + (self.skew[0] * a + self.skew[1] * b) / defocus).clamp(0.5, 2.0);
+            let lean = ellipse * (self.skew[0] * a + self.skew[1] * b) / defocus;
+            let factor = 1.0 / (1.0 + lean).clamp(0.5, 2.0);
             (a, b) = (a * factor, b * factor);
         }
         let sign = if defocus < 0.0 { -1.0 } else { 1.0 };

@@ -42,7 +42,7 @@ pub(crate) fn own_coc(
         let around = PixelWindow { x, y, width: 1, height: 1 }.grown(reach, reach).intersection(&surface.window);
         let (mut sum, mut total) = ([0.0; 4], 0.0);
         for (u, v) in around.pixels() {
-            let offset = lens.iris_offset((u - x) as f32, (v - y) as f32, defocus);
+            let offset = lens.iris_offset((u - x) as f32, (v - y) as f32, defocus, radius);
             let weight = match &eye {
                 Some(eye) => eye.weight(&table, offset, radius, &kernel),
                 None => table.weight(offset, radius, &kernel),

@@ -101,7 +101,7 @@ fn give(
 
     // The weight of the pixel in the footprint
     let (kernel, _) = table.with_slope(radius);
-    let offset = lens.iris_offset(dx, dy, defocus);
+    let offset = lens.iris_offset(dx, dy, defocus, radius);
     let weight = match eye {
         Some(eye) => eye.weight(table, offset, radius, &kernel),
         None => table.weight(offset, radius, &kernel),

@@ -156,10 +156,11 @@ impl Shaped<'_> {
     /// An offset in the coordinates in which the footprint of a tap is drawn.
     #[inline(always)]
     pub(crate) fn offset<S: Simd>(&self, tap: &BlockTap, lens: &PixelLens, x: f32x8<S>, y: f32x8<S>) -> [f32x8<S>; 2] {
-        let [mut u, mut v] = self.to_iris(lens, x, y);
+        let m = lens.drawn(tap.weight.ellipse);
+        let [mut u, mut v] = [x * m[0] + y * m[1], x * m[2] + y * m[3]];
         // Undo the skew where the footprint is large enough to have a shape
         if lens.skew != [0.0; 2] && tap.weight.defocus.abs() > 0.5 {
-            let lean = (u * lens.skew[0] + v * lens.skew[1]) * (1.0 / tap.weight.defocus) + 1.0;
+            let lean = (u * lens.skew[0] + v * lens.skew[1]) * (tap.weight.ellipse / tap.weight.defocus) + 1.0;
             let lean = lean.max(0.5).min(2.0);
             (u, v) = (u / lean, v / lean);
         }

@@ -2,7 +2,7 @@
 
 use crate::{
     forest::Piece,
-    kernel::{Kernel, KernelTable},
+    kernel::{Kernel, KernelTable, ellipse_share},
     lens_map::PixelLens,
 };
 
@@ -33,6 +33,8 @@ pub(crate) struct Weight {
     pub(crate) mirror: f32,
     /// What its offset in iris coordinates is multiplied by along x, and divided by along y.
     pub(crate) stretch: f32,
+    /// How much of the lens's departure from an upright iris it is drawn with.
+    pub(crate) ellipse: f32,
     /// Signed radius of the blur in pixels.
     pub(crate) defocus: f32,
 }
@@ -62,6 +64,7 @@ impl Weight {
             sign,
             mirror: table.mirror(radius / piece.size),
             stretch: table.stretch(radius / piece.size),
+            ellipse: ellipse_share(radius / piece.size),
             defocus,
         }
     }

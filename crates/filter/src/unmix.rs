@@ -61,13 +61,7 @@ pub(crate) fn least_jump(px: f32) -> f32 {
 
 /// The silhouette pixels of the first surface, row by row; `rest` tells of what they are mixed where that is known, `behind`
 /// holds what hidden layers know there.
-pub(crate) fn splits(
-    first: &Surface,
-    cells: &Cells,
-    rest: Option<Rest>,
-    behind: &[Surface],
-    jump: f32,
-) -> Vec<Split> {
+pub(crate) fn splits(first: &Surface, cells: &Cells, rest: Option<Rest>, behind: &[Surface], jump: f32) -> Vec<Split> {
     let window = first.window;
     let width = window.width as usize;
 
@@ -290,8 +284,7 @@ impl Splitter<'_> {
         });
         // A hidden layer knows the colour of the far surface over the whole pixel, not only where it is seen
         let other = hidden.and(same).map_or(seen, |hidden| hidden.rgba);
-        let (near, far, share) =
-            if is_near { (own, other, 1.0 - other_share) } else { (other, own, other_share) };
+        let (near, far, share) = if is_near { (own, other, 1.0 - other_share) } else { (other, own, other_share) };
         let other_slope = same.map_or([0.0; 2], |beside| beside.slope);
         Some(Split { index, is_near, share, near, far, doubt: 0.0, other_depth, other_slope })
     }

@@ -233,7 +233,10 @@ fn the_rest_of_a_pixel_is_what_the_other_surface_fills() {
             assert_eq!((rest.at(49, y), rest.at(51, y)), (None, None), "pixels of one surface have none");
         }
     }
-    assert!(make(&card(true), &lens, 1, Margin::Pixels(0)).frame.rest().is_none(), "one layer is what any renderer writes");
+    assert!(
+        make(&card(true), &lens, 1, Margin::Pixels(0)).frame.rest().is_none(),
+        "one layer is what any renderer writes"
+    );
 }
 
 #[test]

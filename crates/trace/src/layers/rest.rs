@@ -12,7 +12,7 @@ use crate::{Ray, Scene};
 const SAME_SURFACE: f64 = 0.01;
 
 /// Samples of each half that look for things which no pixel's centre meets.
-const PROBES: u32 = 2;
+const PROBES: u32 = 4;
 
 /// Looks into pixels with the very samples that their colour is the mean of.
 pub(super) struct Inside<'a> {
