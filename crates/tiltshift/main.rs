@@ -43,6 +43,8 @@ enum Command {
     Hybrid(command::hybrid::Options),
     /// Run every method on a shot of a scene, and chart time against error.
     Chart(command::chart::Options),
+    /// Say why the filter is wrong on a shot of a scene: every named cause's share of its squared error.
+    Causes(command::causes::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
     Demo(command::demo::Options),
 }
@@ -80,6 +82,7 @@ fn run(command: Command) -> Outcome {
         Command::Lens(options) => command::lens::run(&options),
         Command::Hybrid(options) => command::hybrid::run(&options),
         Command::Chart(options) => command::chart::run(&options),
+        Command::Causes(options) => command::causes::run(&options),
         Command::Demo(options) => command::demo::run(&options),
     };
     // Whatever error an interrupted stage came up with, it was the interruption

@@ -1,6 +1,6 @@
 //! What candidates are held against.
 
-use rgbd::{Picture, PixelWindow, Truth};
+use rgbd::{Picture, PixelWindow, Plane, Truth};
 
 use crate::{CompareError, GivenNoise, MaskKind, Masks, rgb::Rgb};
 
@@ -91,5 +91,23 @@ impl Reference {
                 Some(share * share * sum / masks.count(kind).max(1) as f64)
             }
         }
+    }
+
+    /// Squared error of each pixel of `candidate`, which must cover the display window: mean over R, G and B.
+    ///
+    /// With two halves A and B of the reference it is (C - A)(C - B), which is free of their noise in the mean and may be
+    /// negative in a pixel; else (C - R)^2.
+    pub fn squared_error(&self, candidate: &Picture) -> Result<Plane, CompareError> {
+        let candidate = Rgb::from_picture(candidate, self.display, "the candidate")?;
+        let [a, b] = match &self.noise {
+            NoiseSource::Halves { halves, .. } => [&halves[0], &halves[1]],
+            NoiseSource::Given(_) => [&self.rgb; 2],
+        };
+        let mut plane = Plane::filled(self.display, 0.0);
+        for (i, value) in plane.values_mut().iter_mut().enumerate() {
+            let (a, b, c) = (a.at(i), b.at(i), candidate.at(i));
+            *value = (0..3).map(|k| (c[k] - a[k]) * (c[k] - b[k])).sum::<f32>() / 3.0;
+        }
+        Ok(plane)
     }
 }

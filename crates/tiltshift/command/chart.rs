@@ -189,7 +189,7 @@ fn tracer_samples(asked: &[u32]) -> Vec<u32> {
 }
 
 /// Scene and shot in words.
-fn subject_name(scene: &Path, shot: Option<&str>) -> String {
+pub(crate) fn subject_name(scene: &Path, shot: Option<&str>) -> String {
     let scene = scene.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
     shot.map_or_else(|| scene.clone(), |shot| format!("{scene}, {shot}"))
 }
