@@ -99,15 +99,20 @@ impl Reference {
     /// negative in a pixel; else (C - R)^2.
     pub fn squared_error(&self, candidate: &Picture) -> Result<Plane, CompareError> {
         let candidate = Rgb::from_picture(candidate, self.display, "the candidate")?;
+        let mut plane = Plane::filled(self.display, 0.0);
+        for (i, value) in plane.values_mut().iter_mut().enumerate() {
+            *value = self.squared_error_at(&candidate, i) as f32;
+        }
+        Ok(plane)
+    }
+
+    /// The same of one pixel.
+    pub(crate) fn squared_error_at(&self, candidate: &Rgb, i: usize) -> f64 {
         let [a, b] = match &self.noise {
             NoiseSource::Halves { halves, .. } => [&halves[0], &halves[1]],
             NoiseSource::Given(_) => [&self.rgb; 2],
         };
-        let mut plane = Plane::filled(self.display, 0.0);
-        for (i, value) in plane.values_mut().iter_mut().enumerate() {
-            let (a, b, c) = (a.at(i), b.at(i), candidate.at(i));
-            *value = (0..3).map(|k| (c[k] - a[k]) * (c[k] - b[k])).sum::<f32>() / 3.0;
-        }
-        Ok(plane)
+        let (a, b, c) = (a.at(i), b.at(i), candidate.at(i));
+        (0..3).map(|k| (f64::from(c[k]) - f64::from(a[k])) * (f64::from(c[k]) - f64::from(b[k]))).sum::<f64>() / 3.0
     }
 }

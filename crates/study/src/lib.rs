@@ -31,9 +31,7 @@ mod series_svg;
 mod step;
 mod timing;
 
-pub use causes::{
-    CAUSES_FORMAT, Cause, CauseShare, Causes, CausesReport, CausesSettings, Shares, Verdict, causes,
-};
+pub use causes::{CAUSES_FORMAT, Cause, CauseShare, Causes, CausesReport, CausesSettings, Shares, Verdict, causes};
 pub use chart::{CHART_FORMAT, Chart, Clock, Conditions, Point, PointError, RmsError};
 pub use error::StudyError;
 pub use growth::growth_exponent;

@@ -49,6 +49,9 @@ pub(crate) struct Options {
     /// Finer pixels along the side of a pixel in the experiments.
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(2..=8))]
     fine: u32,
+    /// Lens rays of each finer pixel in the last experiment.
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    lens_rays: u32,
     /// Seed of the samples.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -96,7 +99,10 @@ impl Options {
         let fine = u64::from(width) * u64::from(height) * u64::from(self.fine * self.fine);
         const MOST: u64 = 1 << 24;
         if fine > MOST {
-            bail!("{width}x{height} pixels, each of {} finer ones, are {fine}; at most {MOST} will do", self.fine * self.fine);
+            bail!(
+                "{width}x{height} pixels, each of {} finer ones, are {fine}; at most {MOST} will do",
+                self.fine * self.fine
+            );
         }
         Ok(Camera { film: camera.film.resized(width, height)?, ..camera })
     }
@@ -110,10 +116,15 @@ fn take(options: &Options, scene: &Scene, camera: &Camera, subject: &str) -> Res
     drop(bar);
     let reference = Reference::from_truth(&truth)?;
 
-    let mut settings =
-        CausesSettings { color_samples: options.rgbd_spp, fine: options.fine, ..CausesSettings::shipped(camera) };
-    settings.seed = options.seed.wrapping_add(1);
-    settings.margin = options.overscan.map_or(settings.margin, |pixels| [pixels; 2]);
+    let shipped = CausesSettings::shipped(camera);
+    let settings = CausesSettings {
+        color_samples: options.rgbd_spp,
+        margin: options.overscan.map_or(shipped.margin, |pixels| [pixels; 2]),
+        fine: options.fine,
+        lens_samples: options.lens_rays,
+        seed: options.seed.wrapping_add(1),
+        ..shipped
+    };
     let bar = Bar::new(format!("{subject}: causes"));
     let taken = causes(scene, camera, &reference, &settings, &bar)?;
     drop(bar);
@@ -132,7 +143,8 @@ fn take(options: &Options, scene: &Scene, camera: &Camera, subject: &str) -> Res
         settings,
         causes: &taken,
     };
-    let path = |ending: &str| options.out.join(format!("{}{ending}", subject.replace(", ", "_").replace(['/', '\\'], "_")));
+    let path =
+        |ending: &str| options.out.join(format!("{}{ending}", subject.replace(", ", "_").replace(['/', '\\'], "_")));
     let json = serde_json::to_string_pretty(&report.to_json()).context("figures as JSON")?;
     write_text(&path(".json"), &(json + "\n"))?;
     for of_filter in &taken {
@@ -148,7 +160,10 @@ fn take(options: &Options, scene: &Scene, camera: &Camera, subject: &str) -> Res
 
 /// Prints the shares of both filters in per cent, the chain's and the reversed one's.
 fn print_shares(subject: &str, noise_mse: f64, taken: &[Causes; 2]) {
-    print(format_args!("{subject}: squared error in %, chain / reversed; truth's noise {:.5} taken off", noise_mse.sqrt()));
+    print(format_args!(
+        "{subject}: squared error in %, chain / reversed; truth's noise {:.5} taken off",
+        noise_mse.sqrt()
+    ));
     print(format_args!("  {:28}  {:>20}  {:>20}", "", "one layer", "two layers"));
     let row = |name: &str, cell: &dyn Fn(&Causes) -> String| {
         print(format_args!("  {name:28}  {:>20}  {:>20}", cell(&taken[0]), cell(&taken[1])));

@@ -175,3 +175,79 @@ fn averaged(plane: &Plane) -> Plane {
     };
     along(&along(plane, (1, 0)), (0, 1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WINDOW: PixelWindow = PixelWindow { x: 0, y: 0, width: 60, height: 40 };
+    const CAUSES: [Cause; 2] = [Cause::MixedColor, Cause::Leakage];
+    const ROUNDING: f64 = 1e-6;
+
+    fn plane(left: f32, right: f32) -> Plane {
+        Plane::from_fn(WINDOW, |x, _| if x < 30 { left } else { right })
+    }
+
+    #[test]
+    fn a_known_cause_gets_its_share_and_its_pixels() {
+        // Left an error of 4 that the first experiment removes, right one of 2 of which the second leaves a half
+        let forward = [plane(4.0, 2.0), plane(0.0, 2.0), plane(0.0, 1.0)];
+        let reversed = [plane(4.0, 2.0), plane(4.0, 1.0), plane(0.0, 1.0)];
+        let shares = Shares::new(&CAUSES, &forward, &reversed);
+        for (share, wanted) in shares.causes.iter().zip([4.0 / 6.0, 1.0 / 6.0]) {
+            assert!(share.range().iter().all(|s| (s - wanted).abs() < ROUNDING), "{share:?}");
+        }
+        assert!((shares.rest - 1.0 / 6.0).abs() < ROUNDING && (shares.mse - 3.0).abs() < ROUNDING);
+        let at = |x: i32| shares.map[WINDOW.index(x, 20)].1;
+        assert_eq!([at(10), at(50)], [Verdict::Cause(Cause::MixedColor), Verdict::Cause(Cause::Leakage)]);
+        assert!(shares.unexplained < ROUNDING && shares.several < ROUNDING, "half is enough");
+    }
+
+    #[test]
+    fn the_shares_and_the_rest_are_the_whole_error_in_either_order() {
+        let forward = [plane(4.0, 2.0), plane(5.0, 0.5), plane(1.0, 0.25)];
+        let reversed = [plane(4.0, 2.0), plane(1.0, 2.5), plane(1.0, 0.25)];
+        let shares = Shares::new(&CAUSES, &forward, &reversed);
+        for of_order in [|s: &CauseShare| s.forward, |s: &CauseShare| s.reversed] {
+            let sum = shares.causes.iter().map(of_order).sum::<f64>() + shares.rest;
+            assert!((sum - 1.0).abs() < ROUNDING, "{shares:?}");
+        }
+        let parts = shares.causes.iter().map(|s| s.explains).sum::<f64>() + shares.several + shares.unexplained;
+        assert!((parts - 1.0).abs() < ROUNDING, "every pixel has one verdict");
+    }
+
+    #[test]
+    fn experiments_that_change_nothing_have_no_share_and_explain_nothing() {
+        let same = [plane(4.0, 2.0), plane(4.0, 2.0), plane(4.0, 2.0)];
+        let shares = Shares::new(&CAUSES, &same, &same);
+        for share in &shares.causes {
+            assert_eq!((share.range(), share.standard_error, share.explains), ([0.0; 2], 0.0, 0.0));
+        }
+        assert_eq!((shares.rest, shares.unexplained), (1.0, 1.0));
+    }
+
+    #[test]
+    fn what_makes_it_worse_has_a_negative_share() {
+        let forward = [plane(1.0, 1.0), plane(2.0, 1.0), plane(0.0, 0.0)];
+        let shares = Shares::new(&CAUSES, &forward, &forward);
+        assert!((shares.causes[0].forward + 0.5).abs() < ROUNDING, "{:?}", shares.causes[0]);
+        assert!((shares.causes[1].forward - 1.5).abs() < ROUNDING, "{:?}", shares.causes[1]);
+    }
+
+    #[test]
+    fn small_removals_are_several_together_and_none_is_unexplained() {
+        let chain = [Cause::Border, Cause::MixedColor, Cause::SmallDiscs, Cause::Leakage];
+        let errors = [1.0, 0.7, 0.45, 0.3, 0.2];
+        assert_eq!(verdict(&chain, &errors), Verdict::Several, "none removes half, all remove 80 %");
+        assert_eq!(verdict(&chain, &[1.0, 0.9, 0.8, 0.7, 0.6]), Verdict::Unexplained);
+        assert_eq!(verdict(&chain, &[0.0; 5]), Verdict::Several, "where nothing is wrong there is nothing to explain");
+    }
+
+    #[test]
+    fn an_error_of_zero_has_shares_of_zero() {
+        let none = [plane(0.0, 0.0), plane(0.0, 0.0), plane(0.0, 0.0)];
+        let shares = Shares::new(&CAUSES, &none, &none);
+        assert!(shares.causes.iter().all(|s| s.range() == [0.0; 2] && s.standard_error == 0.0), "{shares:?}");
+        assert_eq!((shares.mse, shares.rest), (0.0, 0.0));
+    }
+}

@@ -52,9 +52,12 @@ impl Experiments {
         }
         let fine = self.filtered(off, true, &step(1))?;
         let near = &self.near_silhouettes;
-        Ok(Picture::from_fn(coarse.window(), |x, y| {
-            if near.at(x, y) == mixed { fine.at(x, y) } else { coarse.at(x, y) }
-        }))
+        Ok(Picture::from_fn(
+            coarse.window(),
+            |x, y| {
+                if near.at(x, y) == mixed { fine.at(x, y) } else { coarse.at(x, y) }
+            },
+        ))
     }
 
     /// The kernel that the filter chooses by itself.

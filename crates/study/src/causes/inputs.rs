@@ -85,7 +85,8 @@ impl Inputs {
         let mut near = Mask::filled(self.display(), false);
         for (x, y) in data.pixels().filter(|&(x, y)| data.contains(x - 1, y - 1) && data.contains(x + 1, y + 1)) {
             let middle = radius(x, y);
-            let ends = [(1, 0), (0, 1), (1, 1), (1, -1)].map(|(dx, dy)| [radius(x - dx, y - dy), radius(x + dx, y + dy)]);
+            let ends =
+                [(1, 0), (0, 1), (1, 1), (1, -1)].map(|(dx, dy)| [radius(x - dx, y - dy), radius(x + dx, y + dy)]);
             let bend = ends.iter().map(|[a, b]| (a - 2.0 * middle + b).abs()).fold(0.0, f64::max);
             if bend > SILHOUETTE_PX {
                 // As far as either side of the jump is blurred, and a pixel more

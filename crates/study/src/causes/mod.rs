@@ -69,7 +69,7 @@ impl CausesSettings {
     #[must_use]
     pub fn shipped(camera: &Camera) -> Self {
         let margin = [camera.film.width().div_ceil(4); 2];
-        Self { color_samples: 256, margin, most_layers: 6, fine: 4, lens_samples: 32, seed: 3 }
+        Self { color_samples: 256, margin, most_layers: 6, fine: 4, lens_samples: 64, seed: 3 }
     }
 
     fn check(&self) -> Result<(), StudyError> {

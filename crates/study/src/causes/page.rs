@@ -79,9 +79,12 @@ impl CausesReport<'_> {
     #[must_use]
     pub fn to_json(&self) -> Value {
         let of_filter = |causes: &Causes| {
-            let ranges: serde_json::Map<String, Value> = causes.shares.causes.iter().map(|share| {
-                (json!(share.cause).as_str().unwrap_or_default().to_owned(), json!(share.range()))
-            }).collect();
+            let ranges: serde_json::Map<String, Value> = causes
+                .shares
+                .causes
+                .iter()
+                .map(|share| (json!(share.cause).as_str().unwrap_or_default().to_owned(), json!(share.range())))
+                .collect();
             json!({
                 "layers": causes.layers,
                 "kernel": format!("{:?}", causes.kernel).to_lowercase(),
