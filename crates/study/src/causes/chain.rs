@@ -190,17 +190,17 @@ mod tests {
 
     #[test]
     fn a_known_cause_gets_its_share_and_its_pixels() {
-        // Left an error of 4 that the first experiment removes, right one of 2 of which the second leaves a half
-        let forward = [plane(4.0, 2.0), plane(0.0, 2.0), plane(0.0, 1.0)];
-        let reversed = [plane(4.0, 2.0), plane(4.0, 1.0), plane(0.0, 1.0)];
+        // Left an error of 4 that the first experiment removes, right one of 2 of which the second removes a little over half
+        let forward = [plane(4.0, 2.0), plane(0.0, 2.0), plane(0.0, 0.9)];
+        let reversed = [plane(4.0, 2.0), plane(4.0, 0.9), plane(0.0, 0.9)];
         let shares = Shares::new(&CAUSES, &forward, &reversed);
-        for (share, wanted) in shares.causes.iter().zip([4.0 / 6.0, 1.0 / 6.0]) {
+        for (share, wanted) in shares.causes.iter().zip([4.0 / 6.0, 1.1 / 6.0]) {
             assert!(share.range().iter().all(|s| (s - wanted).abs() < ROUNDING), "{share:?}");
         }
-        assert!((shares.rest - 1.0 / 6.0).abs() < ROUNDING && (shares.mse - 3.0).abs() < ROUNDING);
+        assert!((shares.rest - 0.9 / 6.0).abs() < ROUNDING && (shares.mse - 3.0).abs() < ROUNDING);
         let at = |x: i32| shares.map[WINDOW.index(x, 20)].1;
         assert_eq!([at(10), at(50)], [Verdict::Cause(Cause::MixedColor), Verdict::Cause(Cause::Leakage)]);
-        assert!(shares.unexplained < ROUNDING && shares.several < ROUNDING, "half is enough");
+        assert!(shares.unexplained < ROUNDING && shares.several < ROUNDING, "at the seam, too, one of both leads");
     }
 
     #[test]
