@@ -2,7 +2,7 @@
 
 mod shared;
 
-use compare::{Comparison, Entry, GivenNoise, HeatKind, MaskKind, Masks, Parameter, Reference, Report, round_scale};
+use compare::{Comparison, Entry, GivenNoise, HeatKind, Masks, Parameter, Reference, Report, round_scale};
 use rgbd::{Picture, PixelWindow, Plane, Truth};
 
 const WINDOW: PixelWindow = PixelWindow { x: 0, y: 0, width: 12, height: 8 };
