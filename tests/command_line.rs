@@ -51,6 +51,10 @@ fn render_filter_and_compare_make_one_road() {
         entry["figures"][0]["mse"].as_f64().unwrap()
     };
     assert!(mse(&json["candidates"][0]) < 0.25 * mse(&json["unfiltered"]), "half the RMS error at least: {json:#}");
+    let figures = &json["candidates"][0]["figures"][0];
+    let [low, high] = ["low", "high"].map(|end| figures["intervals"]["mae"][end].as_f64());
+    let mae = figures["mae"].as_f64();
+    assert!(low <= mae && mae <= high, "every figure comes with its interval: {figures:#}");
     let page = std::fs::read_to_string(folder.path().join("r/report.html")).unwrap();
     assert!(page.contains("<html") && !page.contains("src=\"http"), "one page, nothing from elsewhere");
 
@@ -60,6 +64,13 @@ fn render_filter_and_compare_make_one_road() {
     assert_eq!(code(&output), 1);
     assert!(stderr(&output).contains("below 90 dB"), "{}", stderr(&output));
     assert_eq!(code(&tiltshift(folder.path(), &["compare", "t.exr", "f.exr", "--max-rmse", "1e-9"])), 1);
+    let limited = |limits: &str| tiltshift(folder.path(), &["compare", "t.exr", "f.exr", "--fail-above", limits]);
+    assert_eq!(code(&limited("psnr=20dB,ssim=0.5,hdr-flip=0.9")), 0);
+    let output = limited("psnr=20dB,flip=1e-6,ssim=0.99999");
+    assert_eq!(code(&output), 1);
+    let said = stderr(&output);
+    assert!(said.contains("FLIP") && said.contains("SSIM") && !said.contains("PSNR"), "{said}");
+    assert_eq!(code(&limited("flop=1")), 2);
 }
 
 #[test]

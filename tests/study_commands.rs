@@ -1,4 +1,4 @@
-//! `tiltshift chart` and `tiltshift hybrid` as a user types them.
+//! `tiltshift chart`, `tiltshift hybrid` and `tiltshift causes` as a user types them.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -76,6 +76,34 @@ fn a_series_shows_how_cost_grows() {
 }
 
 #[test]
+fn causes_leave_shares_that_add_up_a_page_and_maps() {
+    let folder = TempDir::new().unwrap();
+    let scene = scene();
+    let quick = ["--size", "48x27", "--truth-samples", "128", "--rgbd-spp", "16", "--fine", "2", "--lens-rays", "8"];
+    let output = run(folder.path(), &[&["causes", &scene, "--shot", "tilt", "--out", "c"], &quick[..]].concat());
+    let stdout = String::from_utf8(output.stdout).unwrap();
+    assert!(stdout.contains("small discs") && stdout.contains("rest"), "{stdout}");
+
+    let file = |name: &str| folder.path().join("c").join(name);
+    let json = std::fs::read_to_string(file("simple_tilt.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["format"], 1);
+    for (filter, causes) in json["filters"].as_array().unwrap().iter().zip([8, 7]) {
+        let shares = filter["shares"]["causes"].as_array().unwrap();
+        assert_eq!(shares.len(), causes, "hidden background is no cause where it is given");
+        for order in ["forward", "reversed"] {
+            let sum: f64 = shares.iter().map(|share| share[order].as_f64().unwrap()).sum();
+            let whole = sum + filter["shares"]["rest"].as_f64().unwrap();
+            assert!((whole - 1.0).abs() < 1e-6, "{order}: {whole}");
+        }
+    }
+    let page = std::fs::read_to_string(file("simple_tilt.html")).unwrap();
+    assert!(page.contains("mixed colour at silhouettes") && !page.contains("src=\"http"));
+    assert_eq!(std::fs::read_to_string(file("causes.csv")).unwrap().lines().count(), 1 + 2);
+    assert!(file("simple_tilt_1_map.png").is_file() && file("simple_tilt_2_map.png").is_file());
+}
+
+#[test]
 fn a_hybrid_says_in_its_file_what_was_traced() {
     let folder = TempDir::new().unwrap();
     let scene = scene();
@@ -123,6 +151,10 @@ fn bad_requests_exit_with_2_and_say_what_would_do() {
             &["chart", &scene, "--shot", "pinhole", "--size", "32x18", "--rgbd-spp", "4", "--series", "blur"],
             "nothing is blurred",
         ),
+        (&["causes", &scene, "--shot", "pinhole"], "nothing is blurred"),
+        (&["causes", &scene, "--shot", "tilt,none"], "none"),
+        (&["causes", &scene, "--size", "4000x4000"], "at most"),
+        (&["causes", &scene, "--fine", "1"], "2..=8"),
         (&["hybrid", &scene, "--tolerance", "-0.1"], "tolerance"),
         (&["hybrid", &scene, "--tolerance", "nan"], "tolerance"),
         (&["hybrid", &scene, "-o", "h.png"], "--png"),

@@ -45,6 +45,8 @@ enum Command {
     Chart(command::chart::Options),
     /// Sweep every method through the points where methods fail, and say where it does not fail softly.
     Stability(command::stability::Options),
+    /// Say why the filter is wrong on a shot of a scene: every named cause's share of its squared error.
+    Causes(command::causes::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
     Demo(command::demo::Options),
 }
@@ -83,6 +85,7 @@ fn run(command: Command) -> Outcome {
         Command::Hybrid(options) => command::hybrid::run(&options),
         Command::Chart(options) => command::chart::run(&options),
         Command::Stability(options) => command::stability::run(&options),
+        Command::Causes(options) => command::causes::run(&options),
         Command::Demo(options) => command::demo::run(&options),
     };
     // Whatever error an interrupted stage came up with, it was the interruption

@@ -2,7 +2,10 @@
 
 use serde::Serialize;
 
-use crate::{CompareError, CorrectedError, MaskKind, Masks, Reference, psnr_db, reference::NoiseSource, rgb::Rgb};
+use crate::{
+    CompareError, CorrectedError, Interval, MaskKind, Masks, Reference, interval::TileSums, psnr_db,
+    reference::NoiseSource, rgb::Rgb,
+};
 
 /// What is added to the square of the reference in relMSE, so that black does not divide by 0.
 const RELATIVE_FLOOR: f64 = 0.01;
@@ -32,6 +35,29 @@ pub struct Figures {
     pub flip_ldr: f64,
     /// HDR-FLIP, 0 to 1.
     pub flip_hdr: f64,
+    /// How sure they are.
+    pub intervals: Intervals,
+}
+
+/// 95 % confidence intervals of [`Figures`], from the scatter between tiles of the picture; `None` where the mask meets too
+/// few tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Intervals {
+    /// Of the mean square error with the reference's noise taken off (the plain one where the noise is unknown); its ends are
+    /// a factor away from it. `None` also for an error below the noise.
+    pub corrected_mse: Option<Interval>,
+    /// Of the bias.
+    pub bias: Option<Interval>,
+    /// Of the mean absolute error.
+    pub mae: Option<Interval>,
+    /// Of relMSE.
+    pub rel_mse: Option<Interval>,
+    /// Of SSIM.
+    pub ssim: Option<Interval>,
+    /// Of LDR-FLIP.
+    pub flip_ldr: Option<Interval>,
+    /// Of HDR-FLIP.
+    pub flip_hdr: Option<Interval>,
 }
 
 impl Figures {
@@ -83,7 +109,9 @@ fn figures_of(
 
     // Add up the differences, pixel by pixel in a fixed order
     let [mut square, mut signed, mut absolute, mut relative] = [0.0; 4];
+    let mut tiles = TileSums::<7>::new(candidate.width, candidate.height);
     for i in chosen() {
+        let before = [signed, absolute, relative];
         for (r, c) in reference.rgb.at(i).into_iter().zip(candidate.at(i)) {
             let (r, d) = (f64::from(r), f64::from(c) - f64::from(r));
             square += d * d;
@@ -91,6 +119,10 @@ fn figures_of(
             absolute += d.abs();
             relative += d * d / (r * r + RELATIVE_FLOOR);
         }
+        let [signed, absolute, relative] = [signed - before[0], absolute - before[1], relative - before[2]];
+        let squared = reference.squared_error_at(candidate, i);
+        let maps = [maps.ssim, maps.flip_ldr, maps.flip_hdr].map(|map| f64::from(map[i]));
+        tiles.add(i, [squared, signed / 3.0, absolute / 3.0, relative / 3.0, maps[0], maps[1], maps[2]]);
     }
     let [mse, bias, mae, rel_mse] = [square, signed, absolute, relative].map(|sum| mean(sum / 3.0));
 
@@ -101,6 +133,23 @@ fn figures_of(
             Some(noise) => CorrectedError::from_given_noise(mse, noise, pixels),
             None => CorrectedError::UnknownNoise,
         },
+    };
+
+    // Noise that was given as a figure is itself uncertain; that of halves is in the scatter of their products
+    let (less, more) = match (&reference.noise, corrected) {
+        (NoiseSource::Given(_), CorrectedError::Above { mse: above, uncertainty }) => (mse - above, uncertainty),
+        _ => (0.0, 0.0),
+    };
+    let is_below = matches!(corrected, CorrectedError::BelowNoise { .. });
+    let not_negative = [0.0, f64::INFINITY];
+    let intervals = Intervals {
+        corrected_mse: tiles.relative(0, less, more).filter(|_| !is_below),
+        bias: tiles.within(1, [f64::NEG_INFINITY, f64::INFINITY]),
+        mae: tiles.within(2, not_negative),
+        rel_mse: tiles.within(3, not_negative),
+        ssim: tiles.within(4, [-1.0, 1.0]),
+        flip_ldr: tiles.within(5, [0.0, 1.0]),
+        flip_hdr: tiles.within(6, [0.0, 1.0]),
     };
 
     Figures {
@@ -115,6 +164,7 @@ fn figures_of(
         ssim: mean_of(maps.ssim),
         flip_ldr: mean_of(maps.flip_ldr),
         flip_hdr: mean_of(maps.flip_hdr),
+        intervals,
     }
 }
 

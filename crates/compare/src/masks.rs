@@ -1,4 +1,4 @@
-//! Where in a picture an error sits: near depth edges, or in the interior.
+//! Where in a picture an error sits: near depth edges or in the interior, before, in or behind the plane of focus, in highlights.
 
 use image::{GrayImage, Luma};
 use imageproc::distance_transform::euclidean_squared_distance_transform;
@@ -6,13 +6,16 @@ use optics::Camera;
 use rgbd::{Frame, Mask, PixelWindow, Plane};
 use serde::Serialize;
 
-use crate::CompareError;
+use crate::{CompareError, Reference};
 
 /// How much the blur diameter, in pixels, must span within 3x3 pixels to count as an edge.
 pub const EDGE_JUMP_PX: f64 = 3.0;
 
 /// Least reach of the edge mask, in pixels.
 pub const LEAST_REACH_PX: f64 = 8.0;
+
+/// Largest radius of the circle of confusion, in pixels, of what counts as in focus.
+pub const IN_FOCUS_PX: f64 = 1.0;
 
 /// The parts of a picture for which figures are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -24,11 +27,20 @@ pub enum MaskKind {
     Edges,
     /// The rest.
     Interior,
+    /// What is blurred and lies on the lens's side of the plane of focus.
+    Near,
+    /// What is blurred by [`IN_FOCUS_PX`] at most.
+    InFocus,
+    /// What is blurred and lies beyond the plane of focus.
+    Far,
+    /// Where the reference is brighter than white (1) in a channel.
+    Highlights,
 }
 
 impl MaskKind {
-    /// All three, in the order of reports.
-    pub const EVERY: [Self; 3] = [Self::All, Self::Edges, Self::Interior];
+    /// All of them, in the order of reports.
+    pub const EVERY: [Self; 7] =
+        [Self::All, Self::Edges, Self::Interior, Self::Near, Self::InFocus, Self::Far, Self::Highlights];
 
     /// Its name in reports.
     #[must_use]
@@ -37,6 +49,10 @@ impl MaskKind {
             Self::All => "all",
             Self::Edges => "edges",
             Self::Interior => "interior",
+            Self::Near => "near",
+            Self::InFocus => "in_focus",
+            Self::Far => "far",
+            Self::Highlights => "highlights",
         }
     }
 }
@@ -44,10 +60,14 @@ impl MaskKind {
 /// The masks of a display window.
 ///
 /// *Edges* are the pixels within `reach_px` (Euclidean, centre to centre) of a pixel whose 3x3 neighbourhood spans more
-/// than [`EDGE_JUMP_PX`] in signed diameter of the circle of confusion; the *interior* is the rest.
+/// than [`EDGE_JUMP_PX`] in signed diameter of the circle of confusion; the *interior* is the rest. *Near*, *in focus* and
+/// *far* go by each pixel's own circle of confusion; pixels of unknown depth are in none of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Masks {
     edges: Mask,
+    /// Before, in or behind the plane of focus, row by row; `None` where the depth is unknown.
+    zones: Vec<Option<MaskKind>>,
+    highlights: Option<Mask>,
     reach_px: Option<f64>,
     largest_coc_radius_px: Option<f64>,
 }
@@ -56,7 +76,9 @@ impl Masks {
     /// No depth is known: the whole window is one mask, edges and interior have no figures.
     #[must_use]
     pub fn without_depth(display: PixelWindow) -> Self {
-        Self { edges: Mask::filled(display, false), reach_px: None, largest_coc_radius_px: None }
+        let zones = vec![None; display.area()];
+        let edges = Mask::filled(display, false);
+        Self { edges, zones, highlights: None, reach_px: None, largest_coc_radius_px: None }
     }
 
     /// The masks of a frame's display window for the blur of `camera`, from the depth of its first layer.
@@ -88,7 +110,16 @@ impl Masks {
         let jumps = jumps(&diameter);
         let near = within(&jumps, reach);
         let edges = Mask::from_fn(display, |x, y| near.window().contains(x, y) && near.at(x, y));
-        Ok(Self { edges, reach_px: Some(reach), largest_coc_radius_px: Some(largest_radius) })
+        let zones = display.pixels().map(|(x, y)| zone(0.5 * f64::from(diameter.get(x, y)?))).collect();
+        Ok(Self { edges, zones, highlights: None, reach_px: Some(reach), largest_coc_radius_px: Some(largest_radius) })
+    }
+
+    /// The same with the highlights of a reference of the same window.
+    #[must_use]
+    pub fn with_highlights(self, reference: &Reference) -> Self {
+        let bright = |i: usize| reference.rgb.at(i).iter().any(|&value| value > 1.0);
+        let window = self.window();
+        Self { highlights: Some(Mask::from_fn(window, |x, y| bright(window.index(x, y)))), ..self }
     }
 
     /// The window they cover.
@@ -122,6 +153,8 @@ impl Masks {
             MaskKind::All => true,
             MaskKind::Edges => self.edges.bits()[i],
             MaskKind::Interior => !self.edges.bits()[i],
+            MaskKind::Near | MaskKind::InFocus | MaskKind::Far => self.zones[i] == Some(kind),
+            MaskKind::Highlights => self.highlights.as_ref().is_some_and(|mask| mask.bits()[i]),
         }
     }
 
@@ -132,6 +165,7 @@ impl Masks {
             MaskKind::All => self.window().area(),
             MaskKind::Edges => self.edges.count(),
             MaskKind::Interior => self.window().area() - self.edges.count(),
+            _ => (0..self.window().area()).filter(|&i| self.holds(kind, i)).count(),
         }
     }
 
@@ -145,8 +179,25 @@ impl Masks {
     #[must_use]
     pub fn kinds(&self) -> Vec<MaskKind> {
         let split = self.reach_px.is_some();
-        let has_figures = |kind: &MaskKind| *kind == MaskKind::All || (split && self.count(*kind) > 0);
+        let has_figures = |kind: &MaskKind| match kind {
+            MaskKind::All => true,
+            MaskKind::Highlights => self.count(*kind) > 0,
+            _ => split && self.count(*kind) > 0,
+        };
         MaskKind::EVERY.into_iter().filter(has_figures).collect()
+    }
+}
+
+/// Where what is blurred by a signed radius lies; `None` for NaN.
+fn zone(radius_px: f64) -> Option<MaskKind> {
+    if radius_px.abs() <= IN_FOCUS_PX {
+        Some(MaskKind::InFocus)
+    } else if radius_px > 0.0 {
+        Some(MaskKind::Near)
+    } else if radius_px < 0.0 {
+        Some(MaskKind::Far)
+    } else {
+        None
     }
 }
 

@@ -97,6 +97,7 @@ impl GivenNoise {
                 let is_known = self.edges.is_some() || edge_share == 0.0;
                 (is_known && interior >= 0.0 && interior.is_finite()).then_some(interior)
             }),
+            MaskKind::Near | MaskKind::InFocus | MaskKind::Far | MaskKind::Highlights => None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What candidates are held against.
 
-use rgbd::{Picture, PixelWindow, Truth};
+use rgbd::{Picture, PixelWindow, Plane, Truth};
 
 use crate::{CompareError, GivenNoise, MaskKind, Masks, rgb::Rgb};
 
@@ -91,5 +91,28 @@ impl Reference {
                 Some(share * share * sum / masks.count(kind).max(1) as f64)
             }
         }
+    }
+
+    /// Squared error of each pixel of `candidate`, which must cover the display window: mean over R, G and B.
+    ///
+    /// With two halves A and B of the reference it is (C - A)(C - B), which is free of their noise in the mean and may be
+    /// negative in a pixel; else (C - R)^2.
+    pub fn squared_error(&self, candidate: &Picture) -> Result<Plane, CompareError> {
+        let candidate = Rgb::from_picture(candidate, self.display, "the candidate")?;
+        let mut plane = Plane::filled(self.display, 0.0);
+        for (i, value) in plane.values_mut().iter_mut().enumerate() {
+            *value = self.squared_error_at(&candidate, i) as f32;
+        }
+        Ok(plane)
+    }
+
+    /// The same of one pixel.
+    pub(crate) fn squared_error_at(&self, candidate: &Rgb, i: usize) -> f64 {
+        let [a, b] = match &self.noise {
+            NoiseSource::Halves { halves, .. } => [&halves[0], &halves[1]],
+            NoiseSource::Given(_) => [&self.rgb; 2],
+        };
+        let (a, b, c) = (a.at(i), b.at(i), candidate.at(i));
+        (0..3).map(|k| (f64::from(c[k]) - f64::from(a[k])) * (f64::from(c[k]) - f64::from(b[k]))).sum::<f64>() / 3.0
     }
 }

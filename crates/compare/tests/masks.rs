@@ -1,6 +1,6 @@
 //! Where the edges are.
 
-use compare::{CompareError, MaskKind, Masks};
+use compare::{CompareError, GivenNoise, MaskKind, Masks, Reference};
 use glam::{DVec2, DVec3};
 use optics::{ApertureShape, Camera, Film, Focus, Iris, Pose};
 use rgbd::{Frame, Layer, Picture, PixelWindow, Plane};
@@ -61,7 +61,8 @@ fn a_jump_of_three_pixels_is_none_and_one_of_more_is() {
     };
     assert_eq!(masks_of(2.99).count(MaskKind::Edges), 0);
     assert!(masks_of(3.01).count(MaskKind::Edges) > 0);
-    assert_eq!(masks_of(2.99).kinds(), [MaskKind::All, MaskKind::Interior], "no figure of no pixel");
+    let kinds = [MaskKind::All, MaskKind::Interior, MaskKind::Near, MaskKind::InFocus];
+    assert_eq!(masks_of(2.99).kinds(), kinds, "no figure of no pixel");
 }
 
 #[test]
@@ -107,4 +108,32 @@ fn a_film_of_another_size_and_a_reach_that_is_none_are_refused() {
     assert_eq!(error.to_string(), "the camera's film is 61x40 pixels, the display window is 60x40 at (10, 20)");
     let error = Masks::from_frame(&frame(DISPLAY, |_, _| 5.0), &camera(), Some(f64::NAN)).unwrap_err();
     assert!(matches!(error, CompareError::BadReach(_)));
+}
+
+#[test]
+fn the_zones_lie_before_in_and_behind_the_plane_of_focus_and_holes_in_none() {
+    // Focused at 50: the blur radius is 100 / z - 2 px
+    let focused = Camera { focus: Focus::at_depth(50.0).unwrap(), ..camera() };
+    let depth = |x: i32, y: i32| match x {
+        _ if y == 30 => f32::NAN,
+        ..30 => 25.0,       // 2 px near
+        30..50 => 40.0,     // 0.5 px near
+        _ => f32::INFINITY, // 2 px far
+    };
+    let masks = Masks::from_frame(&frame(DISPLAY, depth), &focused, None).unwrap();
+    let rows = DISPLAY.height as usize - 1;
+    for (kind, columns) in [(MaskKind::Near, 20), (MaskKind::InFocus, 20), (MaskKind::Far, 20)] {
+        assert_eq!(masks.count(kind), columns * rows, "{kind:?}");
+    }
+    assert!(masks.holds(MaskKind::Near, 0) && !masks.holds(MaskKind::Near, 10 * DISPLAY.width as usize));
+}
+
+#[test]
+fn highlights_are_what_is_brighter_than_white() {
+    let picture = Picture::from_fn(DISPLAY, |x, y| [0.5, if (x, y) == (12, 21) { 1.5 } else { 1.0 }, 0.0, 1.0]);
+    let reference = Reference::from_picture(&picture, DISPLAY, GivenNoise::default()).unwrap();
+    let masks = Masks::without_depth(DISPLAY).with_highlights(&reference);
+    assert_eq!(masks.kinds(), [MaskKind::All, MaskKind::Highlights]);
+    assert!(masks.count(MaskKind::Highlights) == 1 && masks.holds(MaskKind::Highlights, DISPLAY.index(12, 21)));
+    assert!(!Masks::without_depth(DISPLAY).kinds().contains(&MaskKind::Highlights), "unless asked for");
 }

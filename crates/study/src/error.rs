@@ -38,6 +38,18 @@ pub enum StudyError {
         /// The range that would do.
         wanted: &'static str,
     },
+    /// The layers that were put together are no frame.
+    #[error(transparent)]
+    Frame(#[from] rgbd::FrameError),
+    /// A map cannot be encoded.
+    #[error("a map could not be encoded as PNG: {0}")]
+    Png(String),
+    /// Finer pixels than a film can have.
+    #[error("pixels {fine} times as fine are more than a film can have; take a smaller picture")]
+    TooFine {
+        /// How much finer.
+        fine: u32,
+    },
     /// Stopped from outside.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

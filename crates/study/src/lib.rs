@@ -13,6 +13,7 @@
 //! assert_eq!(dominated_by(&methods), [None, Some(0), None], "the second is slower than the first, and worse");
 //! ```
 
+mod causes;
 mod chart;
 mod chart_svg;
 mod error;
@@ -31,6 +32,7 @@ mod stability;
 mod step;
 mod timing;
 
+pub use causes::{CAUSES_FORMAT, Cause, CauseShare, Causes, CausesReport, CausesSettings, Shares, Verdict, causes};
 pub use chart::{CHART_FORMAT, Chart, Clock, Conditions, Point, PointError, RmsError};
 pub use error::StudyError;
 pub use growth::growth_exponent;

@@ -1,5 +1,7 @@
 //! `tiltshift compare`: how far pictures are from a reference, and where.
 
+mod limit;
+
 use std::path::{Path, PathBuf};
 
 use ::compare::{Comparison, CorrectedError, Entry, GivenNoise, Masks, Parameter, Reference, Report};
@@ -8,6 +10,7 @@ use clap::Args;
 use optics::Camera;
 use rgbd::{Frame, Loaded, PixelWindow, ReadError, ReadOptions, read_frame, read_picture, read_truth};
 
+use crate::command::compare::limit::{Limit, Metric};
 use crate::console::{is_interrupted, print, say};
 use crate::failure::{Failure, Outcome};
 use crate::files::{command_line, make_folder, write_text};
@@ -49,6 +52,10 @@ pub(crate) struct Options {
     /// Exit with code 1 if any candidate's PSNR over the whole picture is lower.
     #[arg(long, value_name = "DB", value_parser = finite)]
     min_psnr: Option<f64>,
+    /// Exit with code 1 if any candidate is worse than this over the whole picture: rmse, mae, relmse, flip (LDR), hdr-flip above
+    /// the value, psnr or ssim below it; such as flip=0.05,psnr=35dB.
+    #[arg(long, value_name = "METRIC=VALUE,...", value_delimiter = ',')]
+    fail_above: Vec<Limit>,
 }
 
 /// A reference picture as read.
@@ -83,6 +90,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
         }
         None => Masks::without_depth(display),
     };
+    let masks = masks.with_highlights(&reference);
 
     // Compare
     let entry = |name: String, note: &str, picture: &rgbd::Picture| {
@@ -157,8 +165,8 @@ pub(crate) fn print_table(report: &Report) {
         };
         print(format_args!("{} ({:.1} % of the pixels; {noise})", kind.name(), 100.0 * report.masks.share(kind)));
         print(format_args!(
-            "  {:width$}  {:>9}  {:>14}  {:>8}  {:>8}  {:>6}  {:>8}  {:>8}",
-            "", "RMSE", "PSNR dB", "MAE", "relMSE", "SSIM", "FLIP", "HDR-FLIP"
+            "  {:width$}  {:>9}  {:>14}  {:>14}  {:>8}  {:>8}  {:>6}  {:>8}  {:>8}",
+            "", "RMSE", "PSNR dB", "95 % sure", "MAE", "relMSE", "SSIM", "FLIP", "HDR-FLIP"
         ));
         for entry in &entries {
             let Some(figures) = entry.comparison.within(kind) else { continue };
@@ -169,8 +177,11 @@ pub(crate) fn print_table(report: &Report) {
                 CorrectedError::BelowNoise { at_most } => (format!("<{:.5}", at_most.sqrt()), "below noise".to_owned()),
                 CorrectedError::UnknownNoise => (format!("{:.5}", figures.rmse()), format!("{:.2}", figures.psnr_db())),
             };
+            let sure = figures.intervals.corrected_mse.map_or_else(String::new, |mse| {
+                format!("{:.2} to {:.2}", ::compare::psnr_db(mse.high), ::compare::psnr_db(mse.low))
+            });
             print(format_args!(
-                "  {:width$}  {rmse:>9}  {psnr:>14}  {:8.5}  {:8.5}  {:6.4}  {:8.5}  {:8.5}",
+                "  {:width$}  {rmse:>9}  {psnr:>14}  {sure:>14}  {:8.5}  {:8.5}  {:6.4}  {:8.5}  {:8.5}",
                 entry.name, figures.mae, figures.rel_mse, figures.ssim, figures.flip_ldr, figures.flip_hdr
             ));
         }
@@ -215,24 +226,20 @@ pub(crate) fn read_candidate(path: &Path, display: PixelWindow) -> Result<(rgbd:
     Ok((picture.covering(picture.window().union(&display)).cropped(display), head.camera))
 }
 
-/// Fails if any candidate exceeds a threshold; names them all.
+/// Fails if any candidate exceeds a threshold over the whole picture; names them all.
 fn thresholds(options: &Options, report: &Report) -> Outcome {
-    let mut exceeded = Vec::new();
-    for entry in &report.candidates {
-        let figures = entry.comparison.all();
-        let mse = match figures.corrected {
-            CorrectedError::Above { mse, .. } => mse,
-            CorrectedError::BelowNoise { .. } => 0.0,
-            CorrectedError::UnknownNoise => figures.mse,
-        };
-        let (rmse, psnr) = (mse.sqrt(), ::compare::psnr_db(mse));
-        if let Some(limit) = options.max_rmse.filter(|&limit| rmse > limit) {
-            exceeded.push(format!("{}: RMSE {rmse:.6} is above {limit}", entry.name));
-        }
-        if let Some(limit) = options.min_psnr.filter(|&limit| psnr < limit) {
-            exceeded.push(format!("{}: PSNR {psnr:.2} dB is below {limit} dB", entry.name));
-        }
-    }
+    let limits: Vec<Limit> = [
+        options.max_rmse.map(|value| Limit { metric: Metric::Rmse, value }),
+        options.min_psnr.map(|value| Limit { metric: Metric::Psnr, value }),
+    ]
+    .into_iter()
+    .flatten()
+    .chain(options.fail_above.iter().copied())
+    .collect();
+    let failures = report.candidates.iter().flat_map(|entry| {
+        limits.iter().filter_map(|limit| Some(format!("{}: {}", entry.name, limit.exceeded(entry.comparison.all())?)))
+    });
+    let exceeded: Vec<String> = failures.collect();
     if exceeded.is_empty() { Ok(()) } else { Err(Failure::Exceeded(exceeded.join("; "))) }
 }
 

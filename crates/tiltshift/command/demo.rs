@@ -106,7 +106,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
 
     // Compare all with the truth
     let reference = Reference::from_truth(&truth)?;
-    let masks = Masks::from_frame(frame, &camera, None)?;
+    let masks = Masks::from_frame(frame, &camera, None)?.with_highlights(&reference);
     let pinhole = frame.layers()[0].color.cropped(frame.display);
     let entry = |name: &str, note: String, picture: &Picture| {
         Ok::<_, anyhow::Error>(Entry {
