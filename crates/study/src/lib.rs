@@ -44,7 +44,7 @@ pub use rung::{Family, Rung};
 pub use series::{Growth, Over, Place, SERIES_FORMAT, Series};
 pub use stability::{
     Clip, Contender, Curve, Estimate, Failed, Flicker, Flickers, Mode, Quality, Refusal, STABILITY_FORMAT, Sensitivity,
-    Spoilt, Stability, StabilityConditions, Stage, Staged, Steadiness, Sweep, SweepFigures, TruthChange, Verdict,
+    Spoilt, Stability, StabilityConditions, Stage, Staged, Steadiness, Sweep, SweepFigures, SweepVerdict, TruthChange,
     Worst, refusals, run_clip, run_sensitivity, run_sweep,
 };
 pub use timing::Timing;

@@ -1,7 +1,7 @@
 //! Where methods fail, and must fail softly: each bad point swept through in small steps, every rung held against the tracer.
 //!
 //! A [`Sweep`] leads through one failure [`Mode`]; [`run_sweep`] takes the truth at each step, with the same seed at all,
-//! and every [`Contender`]'s picture. Four criteria hold at each step ([`Verdict`]):
+//! and every [`Contender`]'s picture. Four criteria hold at each step ([`SweepVerdict`]):
 //!
 //! - no pixel is not finite;
 //! - from step to step the picture changes by no more than k times what the truth changes by, plus the truth's noise and
@@ -38,4 +38,4 @@ pub use run::{Curve, Quality, SweepFigures, run_sweep};
 pub use sensitivity::{Sensitivity, Spoilt, run_sensitivity};
 pub use stage::Stage;
 pub use sweep::Sweep;
-pub use verdict::{Verdict, Worst};
+pub use verdict::{SweepVerdict, Worst};

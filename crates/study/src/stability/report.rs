@@ -193,7 +193,7 @@ impl Stability {
 }
 
 /// The worst ratio of all criteria, and a letter for the one that is broken.
-fn worst_text(verdict: super::Verdict) -> String {
+fn worst_text(verdict: super::SweepVerdict) -> String {
     if verdict.non_finite > 0 {
         return "NaN".to_owned();
     }

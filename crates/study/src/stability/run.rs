@@ -10,7 +10,7 @@ use trace::{LayerSettings, Margin, Scene};
 use super::figures::{Change, finite};
 use super::sweep::Input;
 use super::verdict::Judge;
-use super::{Contender, Estimate, Mode, Staged, Sweep, TruthChange, Verdict};
+use super::{Contender, Estimate, Mode, Staged, Sweep, SweepVerdict, TruthChange};
 use crate::{Family, StudyError, step::Step};
 
 /// How well pictures are traced.
@@ -45,7 +45,7 @@ pub struct Curve {
     /// 99.9th percentile of that change.
     pub change_peak: Vec<f64>,
     /// How it fares.
-    pub verdict: Verdict,
+    pub verdict: SweepVerdict,
 }
 
 /// All methods over a sweep.

@@ -33,7 +33,7 @@ impl Worst {
 
 /// How a method fares against every criterion on one sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Verdict {
+pub struct SweepVerdict {
     /// Pixels that were not finite, of all steps.
     pub non_finite: usize,
     /// Change per step, root mean square over the pixels.
@@ -44,7 +44,7 @@ pub struct Verdict {
     pub error: Worst,
 }
 
-impl Verdict {
+impl SweepVerdict {
     /// Whether all criteria are held.
     #[must_use]
     pub fn holds(&self) -> bool {
@@ -73,7 +73,7 @@ pub(crate) struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    pub(crate) fn verdict(&self, non_finite: usize, errors: &[Estimate], changes: &[Change]) -> Verdict {
+    pub(crate) fn verdict(&self, non_finite: usize, errors: &[Estimate], changes: &[Change]) -> SweepVerdict {
         let mean = |part: fn(&Change) -> f64| {
             let squares: f64 = changes.iter().map(|change| part(change).powi(2)).sum();
             (squares / changes.len().max(1) as f64).sqrt()
@@ -92,6 +92,6 @@ impl Judge<'_> {
         let error = Worst::of(errors.iter().zip(self.unfiltered).zip(self.at).map(|((own, unfiltered), &at)| {
             (own.low() / (Mode::WORSE_THAN_UNFILTERED * unfiltered.high() + Mode::UNSEEN), at)
         }));
-        Verdict { non_finite, change_rms, change_peak, error }
+        SweepVerdict { non_finite, change_rms, change_peak, error }
     }
 }
