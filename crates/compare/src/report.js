@@ -87,7 +87,7 @@ function onSeam(frame, at) {
 
 function listen(frame) {
   const held = new Map(); // what is down on this frame: where each pointer was last
-  let seam = false;
+  let seam = false; // whether they move the seam, and not the view
   const place = (event) => {
     const box = frame.getBoundingClientRect();
     return { x: (event.clientX - box.left) / box.width, y: (event.clientY - box.top) / box.height };
@@ -101,7 +101,6 @@ function listen(frame) {
     held.set(event.pointerId, at);
     frame.setPointerCapture(event.pointerId);
     probeAt(at);
-    if (seam) seamTo(at.x);
   });
   frame.addEventListener("pointermove", (event) => {
     const at = place(event);
@@ -119,8 +118,9 @@ function listen(frame) {
   });
   for (const end of ["pointerup", "pointercancel"]) {
     frame.addEventListener(end, (event) => {
-      held.delete(event.pointerId);
-      if (end === "pointerup") frame.focus({ preventScroll: true });
+      if (!held.delete(event.pointerId) || end === "pointercancel") return;
+      if (seam) seamTo(place(event).x);
+      frame.focus({ preventScroll: true });
     });
   }
 
