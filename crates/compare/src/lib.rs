@@ -41,6 +41,7 @@ mod report;
 mod report_page;
 mod report_pictures;
 mod report_tables;
+mod report_viewer;
 mod rgb;
 mod ssim;
 mod transfer;

@@ -3,9 +3,8 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::{
-    CompareError, MaskKind, PIXELS_PER_DEGREE, Report, psnr_db,
-    report_pictures::{gallery, viewer},
-    report_tables::tables,
+    CompareError, MaskKind, PIXELS_PER_DEGREE, Report, psnr_db, report_pictures::gallery, report_tables::tables,
+    report_viewer::viewer,
 };
 
 const STYLE: &str = include_str!("report.css");

@@ -1,53 +1,8 @@
-//! The pictures of a report: each stands in the page once; the before/after viewer borrows them.
+//! The pictures of a report: each stands in the page once; the viewer borrows them.
 
 use maud::{Markup, html};
 
 use crate::{CompareError, Entry, HeatKind, Ramp, Report, png::data_uri};
-
-/// What can be put under the slider: element id and name.
-fn choices(report: &Report<'_>) -> Vec<(String, String)> {
-    let mut list = vec![("picture-reference".to_owned(), format!("{} (reference)", report.reference_name))];
-    list.extend(report.entries().enumerate().map(|(i, entry)| (format!("picture-{i}"), entry.name.clone())));
-    for (i, entry) in report.entries().enumerate() {
-        list.push((format!("picture-{i}-signed"), format!("{}: signed difference", entry.name)));
-    }
-    list
-}
-
-/// The before/after slider, at first between the reference and the first candidate. A range input moves the seam, so
-/// keys, fingers and mice all do.
-pub(crate) fn viewer(report: &Report<'_>) -> Markup {
-    let choices = choices(report);
-    let window = report.reference.display();
-    let select = |id: &str, label: &str, chosen: &str| {
-        html! {
-            label { (label) " "
-                select id=(id) {
-                    @for (value, name) in &choices {
-                        option value=(value) selected[value == chosen] { (name) }
-                    }
-                }
-            }
-        }
-    };
-    html! {
-        section.viewer id="viewer" hidden {
-            div.choices {
-                (select("left", "Left", "picture-reference"))
-                (select("right", "Right", "picture-0"))
-            }
-            div.stage id="stage" style={ "aspect-ratio:" (window.width) "/" (window.height) } {
-                img id="under" alt="left picture";
-                img id="over" alt="right picture";
-                div.seam {}
-            }
-            label.slider { span { "Seam" }
-                input id="cut" type="range" min="0" max="100" step="0.5" value="50"
-                    aria-label="Where the left picture ends, per cent of the width";
-            }
-        }
-    }
-}
 
 /// All pictures and maps, each once.
 pub(crate) fn gallery(report: &Report<'_>) -> Result<Markup, CompareError> {
@@ -62,8 +17,8 @@ pub(crate) fn gallery(report: &Report<'_>) -> Result<Markup, CompareError> {
             h2 { "Pictures" }
             div.gallery {
                 figure.wide {
-                    img id="picture-reference" src=(reference) alt={ "Reference: " (report.reference_name) };
-                    figcaption { b { (report.reference_name) } " · reference" }
+                    (picture("picture-reference", &reference, &format!("Reference: {}", report.reference_name)))
+                    figcaption { b { (report.reference_name) } " · reference" (value_of("picture-reference")) }
                 }
             }
             @for part in &parts { (part) }
@@ -77,7 +32,8 @@ fn entry_pictures(
     index: usize,
     scales: &[(HeatKind, f32); 3],
 ) -> Result<Markup, CompareError> {
-    let picture = data_uri(&entry.comparison.candidate, report.exposure_stops)?;
+    let id = format!("picture-{index}");
+    let uri = data_uri(&entry.comparison.candidate, report.exposure_stops)?;
     let mut maps = Vec::new();
     for &(kind, scale) in scales {
         let values = kind.values(report.reference, &entry.comparison);
@@ -88,18 +44,28 @@ fn entry_pictures(
         @if !entry.note.is_empty() { p.about { (entry.note) } }
         div.gallery {
             figure {
-                img id={ "picture-" (index) } src=(picture) alt=(entry.name);
-                figcaption { b { (entry.name) } }
+                (picture(&id, &uri, &entry.name))
+                figcaption { b { (entry.name) } (value_of(&id)) }
             }
             @for (kind, scale, uri) in &maps {
+                @let id = format!("{id}-{}", map_id(*kind));
                 figure {
-                    img id={ "picture-" (index) "-" (map_id(*kind)) } src=(uri)
-                        alt={ (map_name(*kind)) " of " (entry.name) };
-                    figcaption { b { (map_name(*kind)) } (legend(*kind, *scale)) }
+                    (picture(&id, uri, &format!("{} of {}", map_name(*kind), entry.name)))
+                    figcaption { b { (map_name(*kind)) } (legend(*kind, *scale)) (value_of(&id)) }
                 }
             }
         }
     })
+}
+
+/// A picture in the frame that it is zoomed in.
+fn picture(id: &str, uri: &str, alt: &str) -> Markup {
+    html! { div.frame { img id=(id) src=(uri) alt=(alt); } }
+}
+
+/// Where the 8-bit values of a picture are read out.
+fn value_of(id: &str) -> Markup {
+    html! { span.value data-of=(id) {} }
 }
 
 fn map_id(kind: HeatKind) -> &'static str {

@@ -71,6 +71,87 @@ fn the_page_holds_everything_and_fetches_nothing() {
     assert_eq!(html.matches("</script>").count(), 2);
 }
 
+/// The opening tags of an element.
+fn tags<'a>(html: &'a str, element: &str) -> Vec<&'a str> {
+    let end_of_name = |rest: &str| rest.starts_with([' ', '>']);
+    let parts = html.split(&format!("<{element}")).skip(1).filter(|rest| end_of_name(rest)).collect::<Vec<_>>();
+    parts.into_iter().map(|rest| &rest[..rest.find('>').unwrap()]).collect()
+}
+
+fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+    let value = tag.split_once(&format!(" {name}=\""))?.1;
+    Some(&value[..value.find('"').unwrap()])
+}
+
+/// All values of an attribute in the markup, script and style aside.
+fn values<'a>(html: &'a str, name: &str) -> Vec<&'a str> {
+    let markup = &html[html.find("<body>").unwrap()..html.find("<script").unwrap()];
+    let parts = markup.split(&format!(" {name}=\"")).skip(1).collect::<Vec<_>>();
+    parts.into_iter().map(|rest| &rest[..rest.find('"').unwrap()]).collect()
+}
+
+#[test]
+fn every_picture_has_a_name_and_says_what_it_shows() {
+    let html = with_report(|report| report.to_html().unwrap());
+    let images = tags(&html, "img");
+    // The pictures and maps, and the two that the slider borrows
+    assert_eq!(images.len(), 1 + 4 * 4 + 2);
+    for image in &images {
+        assert!(attribute(image, "alt").is_some_and(|alt| !alt.trim().is_empty()), "no alt text: {image:.80}");
+        assert!(attribute(image, "id").is_some(), "no name: {image:.80}");
+    }
+    let named: Vec<_> = images.iter().map(|image| attribute(image, "alt").unwrap()).collect();
+    for wanted in
+        ["Reference: truth", "gather", "naive", "pinhole", "Signed difference of gather", "HDR-FLIP of pinhole"]
+    {
+        assert_eq!(named.iter().filter(|alt| **alt == wanted).count(), 1, "{wanted}");
+    }
+    // Without a script they stand there as they are
+    assert_eq!(images.iter().filter(|image| image.contains("src=\"data:")).count(), 1 + 4 * 4);
+}
+
+#[test]
+fn every_control_is_there_and_has_a_label() {
+    let html = with_report(|report| report.to_html().unwrap());
+    let expected = [("input", 1), ("select", 2), ("button", 3)];
+    for (element, count) in expected {
+        let controls = tags(&html, element);
+        assert_eq!(controls.len(), count, "{element}");
+        for control in controls {
+            let before = &html[..control.as_ptr() as usize - html.as_ptr() as usize];
+            let in_label = before.rfind("<label").is_some_and(|start| !before[start..].contains("</label>"));
+            assert!(in_label || attribute(control, "aria-label").is_some(), "no label: {control}");
+        }
+    }
+    let [slider] = tags(&html, "input")[..] else { panic!("one slider") };
+    assert_eq!(attribute(slider, "type"), Some("range"));
+    assert!(attribute(slider, "aria-label").is_some_and(|label| label.contains("left picture")));
+    // Any two pictures can be put beside each other, and any can be read out
+    for picture in ["picture-reference", "picture-0", "picture-1", "picture-2", "picture-3"] {
+        assert_eq!(values(&html, "value").iter().filter(|value| **value == picture).count(), 2, "{picture}");
+        assert_eq!(values(&html, "data-of").iter().filter(|of| **of == picture).count(), 2, "{picture}");
+    }
+}
+
+#[test]
+fn whatever_the_page_refers_to_is_in_it() {
+    let html = with_report(|report| report.to_html().unwrap());
+    let mut ids = values(&html, "id");
+    let count = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), count, "two elements of one name");
+    ids.push("report-data");
+
+    let by_script = html.split("byId(\"").skip(1).map(|rest| &rest[..rest.find('"').unwrap()]);
+    let by_choice = values(&html, "value").into_iter().filter(|value| value.starts_with("picture"));
+    let by_label =
+        [values(&html, "aria-labelledby"), values(&html, "aria-describedby"), values(&html, "data-of")].concat();
+    for id in by_script.chain(by_choice).chain(by_label) {
+        assert!(ids.contains(&id), "nothing is called {id}");
+    }
+}
+
 #[test]
 fn the_embedded_figures_are_those_of_the_json() {
     with_report(|report| {
