@@ -24,7 +24,7 @@ fn charted(folder: &Path) -> Chart {
     let frame = trace::layers(file.scene(), &camera, &settings, &Silent).unwrap().frame;
 
     let mut rungs = Rung::of_filter(2);
-    rungs.push(Rung::Hybrid(HybridSettings { tolerance: 0.03, samples: 64, ..HybridSettings::default() }));
+    rungs.push(Rung::Hybrid(HybridSettings { tolerance: 0.01, samples: 64, ..HybridSettings::default() }));
     rungs.extend([2, 16, 64].map(|samples| Rung::Trace { samples }));
     let subject = Subject { scene: file.scene(), camera: &camera, frame: &frame, seed: 3, folder };
     let measured = measure(&subject, &rungs, 3, &Silent).unwrap();
@@ -59,7 +59,7 @@ fn a_chart_places_every_method_and_says_which_are_needless() {
     // Errors fall along the ladder, and with samples as noise does
     let rmse = |name: &str| point(name).error.all.rmse;
     assert!(rmse("merged 2 layers") < 0.5 * rmse("pinhole"));
-    assert!(rmse("hybrid 0.03") < rmse("merged 2 layers"));
+    assert!(rmse("hybrid 0.01") < rmse("merged 2 layers"));
     assert!(rmse("trace 16") < 0.5 * rmse("trace 2") && rmse("trace 64") < 0.6 * rmse("trace 16"));
 
     // The whole command takes longer than what it runs, and each run was timed
@@ -78,7 +78,7 @@ fn a_chart_places_every_method_and_says_which_are_needless() {
     }
 
     // Files of each step lie in the folder
-    for name in ["rgbd_1.exr", "rgbd_2.exr", "trace_16.exr", "merged_2_layers.exr", "hybrid_0.03.exr"] {
+    for name in ["rgbd_1.exr", "rgbd_2.exr", "trace_16.exr", "merged_2_layers.exr", "hybrid_0.01.exr"] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
 

@@ -84,7 +84,7 @@ fn a_smaller_tolerance_traces_more_and_errs_less() {
     let shot = Shot::new();
     let truth = shot.truth();
     let mut last = (0.0, rmse(&shot.filtered(), &truth));
-    for tolerance in [0.06, 0.04, 0.02] {
+    for tolerance in [0.03, 0.015, 0.007] {
         let hybrid = shot.hybrid(tolerance).unwrap();
         let now = (hybrid.traced_share(), rmse(&hybrid.picture, &truth));
         assert!(now.0 > last.0 && now.1 < last.1, "{tolerance}: {now:?} after {last:?}");
@@ -118,7 +118,7 @@ fn where_trace_meets_filter_no_step_is_added_that_could_be_seen() {
     let shot = Shot::new();
     let truth = shot.truth().picture();
     let (filtered, traced) = (shot.filtered(), shot.traced(SAMPLES, SEEDS[2]).picture());
-    for tolerance in [0.01, 0.02, 0.04] {
+    for tolerance in [0.004, 0.008, 0.016] {
         let hybrid = shot.hybrid(tolerance).unwrap();
         let pairs = seam(&hybrid);
         assert!(pairs.len() > 200, "{tolerance}: a seam of {} pairs", pairs.len());
