@@ -1,4 +1,5 @@
 //! Things thinner than a pixel, traced and filtered.
+#![allow(clippy::print_stdout)] // tests say what they measured
 
 use filter::{FrameView, Method, apply};
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
