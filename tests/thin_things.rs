@@ -46,6 +46,7 @@ fn a_wire_that_no_centre_of_a_pixel_meets_blurs() {
         let [known, unknown] =
             [frame.clone(), frame.clone().without_rest()].map(|frame| rmse(&filtered(&frame), &truth));
         println!("{}: RMSE {known:.4}, without the rest of pixels {unknown:.4}", method.name());
+        // Measured: 0.19 to 0.20; what is left is the share of the pixel, told by 64 samples, and 64 lens rays
         assert!(known < 0.25 * unknown, "{}: {known} instead of {unknown}", method.name());
     }
 }

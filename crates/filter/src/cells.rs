@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 use rgbd::{PixelWindow, Rest};
 
-use crate::surface::Surface;
+use crate::surface::{Surface, rest_at};
 
 /// Side of a cell in pixels. Cells, blocks and squares are anchored at pixel (0, 0).
 const CELL: i32 = 4;
@@ -119,13 +119,14 @@ impl Cells {
                 line.reduce(window, cells.first.0, jump, ranges, has_edge);
             },
         );
-        for (x, y) in rest.map(|_| window.pixels()).into_iter().flatten() {
-            let Some(there) = rest.and_then(|rest| rest.at(x, y)) else { continue };
-            let inverse = 1.0 / there.depth;
-            if (inverse - surface.inverse_depth[window.index(x, y)]).abs() > jump {
-                let cell = cells.index(x, y);
-                has_edge[cell] = true;
-                ranges[cell] = joined(ranges[cell], [inverse; 2]);
+        if let Some(rest) = rest {
+            for (x, y) in window.pixels() {
+                let Some((inverse, _)) = rest_at(rest, x, y) else { continue };
+                if (inverse - surface.inverse_depth[window.index(x, y)]).abs() > jump {
+                    let cell = cells.index(x, y);
+                    has_edge[cell] = true;
+                    ranges[cell] = joined(ranges[cell], [inverse; 2]);
+                }
             }
         }
         let mut square_ranges = vec![EMPTY; squares.len()];

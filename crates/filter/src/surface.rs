@@ -3,7 +3,7 @@
 use glam::DVec2;
 use optics::Camera;
 use rayon::prelude::*;
-use rgbd::{Layer, PixelWindow};
+use rgbd::{Layer, PixelWindow, Rest};
 
 use crate::FrameView;
 
@@ -148,6 +148,12 @@ fn flatter(a: f32, b: f32) -> f32 {
 #[inline(always)]
 pub(crate) fn finite(value: f32) -> f32 {
     if value.is_nan() { 0.0 } else { value.clamp(-BRIGHTEST, BRIGHTEST) }
+}
+
+/// What the rest of a pixel is: 1/z and premultiplied colour, both made finite.
+#[inline(always)]
+pub(crate) fn rest_at(rest: Rest, x: i32, y: i32) -> Option<(f32, [f32; 4])> {
+    rest.at(x, y).map(|rest| ((1.0 / rest.depth).min(NEAREST), rest.rgba.map(finite)))
 }
 
 /// The guess for a hole: 1/z of the nearest known pixel (the farther one of equals), and where none is

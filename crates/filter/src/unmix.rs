@@ -11,9 +11,12 @@
 //! Where the frame knows the [`Rest`] of its pixels nothing has to be guessed, and things thinner than a pixel are found.
 
 use rayon::prelude::*;
-use rgbd::{PixelRest, Rest};
+use rgbd::Rest;
 
-use crate::{cells::Cells, surface::Surface};
+use crate::{
+    cells::Cells,
+    surface::{Surface, rest_at},
+};
 
 /// How far pure pixels are looked for.
 pub(crate) const UNMIX_REACH: i32 = 3;
@@ -146,7 +149,7 @@ fn mark_mixed(surface: &Surface, cells: &Cells, rest: Rest, row: usize, jump: f3
     let window = surface.window;
     let here = &surface.inverse_depth[row * window.width as usize..];
     for x in cells.edges_of_row(row).flatten() {
-        match rest.at(window.x + x as i32, window.y + row as i32).map(|rest| 1.0 / rest.depth - here[x]) {
+        match rest_at(rest, window.x + x as i32, window.y + row as i32).map(|(inverse, _)| inverse - here[x]) {
             Some(step) if step > jump => sides[x] = Side::Far,
             Some(step) if step < -jump => sides[x] = Side::Near,
             _ => (),
@@ -270,22 +273,24 @@ impl Splitter<'_> {
         let window = self.first.window;
         let (x, y) = ((index % window.width as usize) as i32, (index / window.width as usize) as i32);
         let (own_depth, rgba) = (self.first.inverse_depth[index], self.first.rgba[index]);
-        let is_other = |rest: &PixelRest| {
-            let step = 1.0 / rest.depth - own_depth;
-            rest.rgba[3] >= PURE && if is_near { step < -self.jump } else { step > self.jump }
+        let is_other = |&(inverse, rgba): &(f32, [f32; 4])| {
+            let step = inverse - own_depth;
+            rgba[3] >= PURE && if is_near { step < -self.jump } else { step > self.jump }
         };
         let hidden = if is_near { self.hidden(index) } else { None };
         let beside = hidden.or(guess);
-        let Some(rest) = rest.at(window.x + x, window.y + y).filter(is_other) else {
+        let Some((other_depth, rest)) = rest_at(rest, window.x + x, window.y + y).filter(is_other) else {
             let beside = beside?;
             let (near, far) = if is_near { (rgba, beside.rgba) } else { (beside.rgba, rgba) };
             let (share, other_depth, other_slope) = (f32::from(u8::from(is_near)), beside.depth, beside.slope);
             return Some(Split { index, is_near, share, near, far, doubt: 0.0, other_depth, other_slope });
         };
-        let other_depth = 1.0 / rest.depth;
         let same = beside.filter(|beside| (beside.depth - other_depth).abs() <= self.jump);
-        let other_share = rest.rgba[3].min(1.0 - PURE);
-        let seen = rest.rgba.map(|c| c / rest.rgba[3]);
+        // A part holds no more light than the whole, and no less than none, whatever a file says
+        let rest: [f32; 4] =
+            std::array::from_fn(|c| if c < 3 && rgba[c] >= 0.0 { rest[c].clamp(0.0, rgba[c]) } else { rest[c] });
+        let other_share = rest[3].min(1.0 - PURE);
+        let seen = rest.map(|c| c / rest[3]);
         let own = [0, 1, 2, 3].map(|c| {
             let own = (rgba[c] - other_share * seen[c]) / (1.0 - other_share);
             if rgba[c] >= 0.0 { own.max(0.0) } else { own }

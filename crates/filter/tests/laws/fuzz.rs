@@ -1,7 +1,7 @@
 //! No depth and no colour makes a pixel that is not a number, or light from nothing.
 
 use filter::Method;
-use rgbd::{Frame, Layer, Picture, PixelWindow, Plane};
+use rgbd::{Frame, Layer, Picture, PixelRest, PixelWindow, Plane};
 
 use crate::scenes::{all_methods, filtered, lenses, noise, over};
 
@@ -75,6 +75,28 @@ fn no_depth_makes_a_pixel_that_is_not_finite() {
         let bad = picture.planes().iter().flat_map(Plane::values).filter(|v| !v.is_finite() || **v < 0.0).count();
         assert!(bad == 0, "{method:?}, seed {seed}: {bad} values");
     });
+}
+
+#[test]
+fn no_rest_of_pixels_makes_one_that_is_not_finite_or_brighter_than_a_share_of_it_may_be() {
+    let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.0, 1e-30, 0.5, 1.0, 65504.0, 1e38];
+    let any = |x: i32, y: i32, salt: u32| odd[(noise(x, y, salt) * odd.len() as f32) as usize];
+    for (seed, lens) in (0..SEEDS).zip(lenses().into_iter().cycle()) {
+        let rest = |x, y| {
+            let share = if noise(x, y, seed + 90) < 0.2 { any(x, y, seed + 91) } else { noise(x, y, seed + 92) };
+            let rgba = [any(x, y, seed + 93), any(x, y, seed + 94), any(x, y, seed + 95), share];
+            let depth = if noise(x, y, seed + 96) < 0.5 { any(x, y, seed + 97) } else { depth(x, y, seed + 98) };
+            (noise(x, y, seed + 99) < 0.5).then_some(PixelRest { rgba, depth })
+        };
+        let frame = frame(seed, 0.0, false).with_rest(rest);
+        for method in all_methods() {
+            let picture = filtered(&frame, &over(DISPLAY, &lens), &method);
+            // A share of 0.02 is the least that counts
+            let is_good = |c: f32| (-1e-3..=51.0 * 65504.0).contains(&c);
+            let bad = picture.planes().iter().flat_map(|plane| plane.values()).find(|&&c| !is_good(c));
+            assert_eq!(bad, None, "{} on seed {seed}", method.name());
+        }
+    }
 }
 
 #[test]

@@ -69,10 +69,10 @@ impl LayeredFrame {
 ///
 /// The first layer holds the pinhole picture, its colour the average over the pixel, its depth that of the first hit at
 /// the pixel's centre (+inf where there is none). What of the colour belongs to other surfaces than that one is the frame's
-/// [rest](Frame::rest), seen by the same samples (unless there is one layer only). Each further layer holds at the pixel's centre the next surface that
-/// at least one of 48 points of the camera's own iris sees, alpha 1, or nothing, alpha 0 and depth unknown. Its colour
-/// is the average of those samples of the pixel that hit the same surface. Back faces, and so the insides of
-/// solids, are left out. Every ray is traced; no blur size is computed.
+/// [rest](Frame::rest), seen by the same samples (unless there is one layer only). Each further layer holds at the pixel's
+/// centre the next surface that at least one of 48 points of the camera's own iris sees, alpha 1, or nothing, alpha 0 and depth
+/// unknown. Its colour is the average of those samples of the pixel that hit the same surface. Back faces, and so the insides
+/// of solids, are left out. Every ray is traced; no blur size is computed.
 pub fn layers(
     scene: &Scene,
     camera: &Camera,

@@ -59,8 +59,8 @@ impl Inside<'_> {
             let expected = own.plane_at(q);
             (inverse - expected).abs() > SAME_SURFACE * inverse.max(expected)
         };
-        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-        let beside_edge = around.clone().any(|(dx, dy)| {
+        let mut around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+        let beside_edge = around.any(|(dx, dy)| {
             let there = depth.get(x + dx, y + dy);
             let q = self.camera.film.q_from_pixel(middle + DVec2::new(f64::from(dx), f64::from(dy)));
             there.is_some_and(|z| is_other(q, 1.0 / f64::from(z)))
