@@ -93,7 +93,7 @@ fn no_rest_of_pixels_makes_one_that_is_not_finite_or_brighter_than_a_share_of_it
             let picture = filtered(&frame, &over(DISPLAY, &lens), &method);
             // A share of 0.02 is the least that counts
             let is_good = |c: f32| (-1e-3..=51.0 * 65504.0).contains(&c);
-            let bad = picture.planes().iter().flat_map(|plane| plane.values()).find(|&&c| !is_good(c));
+            let bad = picture.planes().iter().flat_map(Plane::values).find(|&&c| !is_good(c));
             assert_eq!(bad, None, "{} on seed {seed}", method.name());
         }
     }
