@@ -47,6 +47,8 @@ enum Command {
     Stability(command::stability::Options),
     /// Say why the filter is wrong on a shot of a scene: every named cause's share of its squared error.
     Causes(command::causes::Options),
+    /// Say which method is the cheapest that comes within a tolerance.
+    Advise(command::advise::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
     Demo(command::demo::Options),
 }
@@ -86,6 +88,7 @@ fn run(command: Command) -> Outcome {
         Command::Chart(options) => command::chart::run(&options),
         Command::Stability(options) => command::stability::run(&options),
         Command::Causes(options) => command::causes::run(&options),
+        Command::Advise(options) => command::advise::run(&options),
         Command::Demo(options) => command::demo::run(&options),
     };
     // Whatever error an interrupted stage came up with, it was the interruption

@@ -51,7 +51,7 @@ pub(crate) fn fill(first: &Surface, splits: &[Split], hidden: &mut [Surface], li
                 cover: 1.0,
                 is_before: false,
                 inverse_depth: split.other_depth.max(0.0),
-                slope: split.other_slope,
+                slope: split.slope(split.other_depth),
                 rgba: split.far,
                 // Counted with the near surface's colour, from which it was told
                 doubt: 0.0,
@@ -132,9 +132,14 @@ fn seen_behind(gap: f32, limits: &FillLimits) -> f32 {
 }
 
 impl Split {
-    /// Inverse depth of the other surface's plane at an offset in pixels.
+    /// Inverse depth of the other surface's plane at an offset in pixels; no plane goes on beyond infinity.
     fn plane(&self, by: [f32; 2]) -> f32 {
-        self.other_depth + self.other_slope[0] * by[0] + self.other_slope[1] * by[1]
+        (self.other_depth + self.other_slope[0] * by[0] + self.other_slope[1] * by[1]).max(0.0)
+    }
+
+    /// The slope of that plane: none where it is infinitely far.
+    fn slope(&self, inverse_depth: f32) -> [f32; 2] {
+        if inverse_depth > 0.0 { self.other_slope } else { [0.0; 2] }
     }
 }
 
@@ -163,12 +168,13 @@ fn continued(first: &Surface, split: &Split, i: usize, by: [f32; 2], jump: f32) 
     }
     let rgba = sum.map(|c| c / count);
     let variance = (squares / count - square(rgba)).max(0.0) / 3.0;
+    let inverse_depth = split.plane(by);
     Fragment {
         index: i as u32,
         cover: 1.0,
         is_before: false,
-        inverse_depth: split.plane(by).max(0.0),
-        slope: split.other_slope,
+        inverse_depth,
+        slope: split.slope(inverse_depth),
         rgba,
         doubt: SPREAD * variance.sqrt(),
     }

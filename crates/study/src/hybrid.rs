@@ -111,7 +111,7 @@ pub fn hybrid(
 }
 
 /// Samples in each half of a pixel of which `weight` is traced, where one that is traced alone gets `all`; at least 1.
-fn samples_of(weight: f32, all: u32) -> u32 {
+pub(crate) fn samples_of(weight: f32, all: u32) -> u32 {
     if weight > 0.0 { all.checked_shr(times_halved(weight)).unwrap_or(0).max(1) } else { 0 }
 }
 
@@ -121,7 +121,7 @@ fn times_halved(weight: f32) -> u32 {
 }
 
 /// How much the trace counts where the filter is predicted to be off by `error`.
-fn trace_weight(error: f32, tolerance: f32) -> f32 {
+pub(crate) fn trace_weight(error: f32, tolerance: f32) -> f32 {
     if error >= 2.0 * tolerance {
         1.0
     } else if error <= tolerance {
@@ -132,7 +132,7 @@ fn trace_weight(error: f32, tolerance: f32) -> f32 {
 }
 
 /// The largest of 3x3 pixels, then their mean.
-fn widened(error: &Plane) -> Plane {
+pub(crate) fn widened(error: &Plane) -> Plane {
     let around = |x: i32, y: i32| (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
     let largest =
         Plane::from_fn(error.window(), |x, y| around(x, y).filter_map(|(x, y)| error.get(x, y)).fold(0.0, f32::max));

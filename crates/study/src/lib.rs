@@ -13,6 +13,7 @@
 //! assert_eq!(dominated_by(&methods), [None, Some(0), None], "the second is slower than the first, and worse");
 //! ```
 
+mod advice;
 mod causes;
 mod chart;
 mod chart_svg;
@@ -32,6 +33,7 @@ mod stability;
 mod step;
 mod timing;
 
+pub use advice::{Choice, Evidence, ExpectedError, Forecast, Tolerance, choose, forecasts};
 pub use causes::{CAUSES_FORMAT, Cause, CauseShare, Causes, CausesReport, CausesSettings, Shares, Verdict, causes};
 pub use chart::{CHART_FORMAT, Chart, Clock, Conditions, Point, PointError, RmsError};
 pub use error::StudyError;

@@ -1,5 +1,6 @@
 //! One file per subcommand.
 
+pub(crate) mod advise;
 pub(crate) mod causes;
 pub(crate) mod chart;
 pub(crate) mod compare;
