@@ -78,3 +78,38 @@ fn hidden_light_falls_only_where_some_lens_point_sees_past_the_first_layer() {
         }
     }
 }
+
+/// A dark wall that falls back steeply towards the right, a near post before its end, and the sky beyond.
+fn wall_post_and_sky() -> Frame {
+    let data = DISPLAY.grown(5, 5);
+    const POST: std::ops::Range<i32> = 60..66;
+    let depth = Plane::from_fn(data, |x, _| {
+        if POST.contains(&x) {
+            1.6
+        } else if x < POST.start {
+            // Where the post begins, the wall would be infinitely far some pixels on
+            1.0 / (0.05 + 0.02 * (POST.start - x) as f32).min(0.4)
+        } else {
+            f32::INFINITY
+        }
+    });
+    let color = Picture::from_fn(data, |x, _| if x < POST.end { [0.1, 0.1, 0.1, 1.0] } else { [1.0; 4] });
+    Frame::new(DISPLAY, vec![Layer::from_raw_depth(color, depth)]).unwrap()
+}
+
+#[test]
+fn nothing_is_guessed_behind_the_sky() {
+    let lens = over(DISPLAY, &camera(DVec3::new(0.0, 0.0, 0.3), DVec3::Z, 0.3, ApertureShape::Disc));
+    let px = (lens.iris.radius() * lens.film.pixels_per_q().max_element()) as f32;
+    let frame = wall_post_and_sky();
+    // Past the footprints of the post, of the wall and of the sky itself, two pixels for a silhouette, and as much again as
+    // some lens point sees behind the post
+    let reach = px * (1.0_f32 / 1.6 - 0.3).max(0.3) + 2.0 + px * 0.05;
+    for method in [Method::Gather(GatherSettings::default()), Method::default()] {
+        let picture = filtered(&frame, &lens, &method);
+        let far = DISPLAY.pixels().filter(|&(x, _)| x as f32 > 66.0 + reach);
+        let darkest = far.map(|(x, y)| picture.at(x, y)[0]).fold(f32::INFINITY, f32::min);
+        assert!(darkest > 0.999, "{}: {darkest} in a clear sky", method.name());
+        assert!(66.0 + reach + 20.0 < DISPLAY.x_end() as f32, "{reach}: no sky is left to look at");
+    }
+}
