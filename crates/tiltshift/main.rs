@@ -4,7 +4,9 @@ mod command;
 mod console;
 mod failure;
 mod files;
+mod focus_wish;
 mod lens_options;
+mod presets;
 mod read_arguments;
 mod values;
 
@@ -38,7 +40,7 @@ enum Command {
     /// Say what a picture file holds, and what would be taken as its colour and depth.
     Info(command::info::Options),
     /// Say what a lens setting means: plane of focus, hinge, depth of field.
-    Lens(command::lens::Options),
+    Lens(Box<command::lens::Options>),
     /// Filter a shot of a scene, and trace the pixels that the filter predicts to get wrong.
     Hybrid(command::hybrid::Options),
     /// Run every method on a shot of a scene, and chart time against error.
