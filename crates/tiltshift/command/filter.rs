@@ -6,20 +6,24 @@ mod job;
 mod method;
 mod overlay;
 mod result;
+mod sequence;
 
 use std::path::PathBuf;
 
+use anyhow::anyhow;
 use clap::Args;
 use optics::{Camera, ThinLens};
 
-use self::job::{Job, Kept};
+use self::job::{Job, Shown};
 use self::method::{HighlightOptions, MethodOptions};
+use self::sequence::Sequence;
 use crate::console::say;
 use crate::failure::Outcome;
 use crate::files::Packing;
+use crate::focus_keys::{Between, FocusKeys};
 use crate::lens_options::{FilmOptions, LensOptions};
 use crate::read_arguments::ReadArguments;
-use crate::values::stops;
+use crate::values::{Frames, stops};
 
 /// Put a tilt-shift lens onto a picture with depth.
 ///
@@ -36,8 +40,11 @@ use crate::values::stops;
         --depth-as inverse --depth-range 20,1 --focal-length 28 --sensor-width 36 -N 1.4 --focus-pixel 480,330"
 )]
 pub(crate) struct Options {
-    /// Picture: OpenEXR with colour and depth, or a photo with --depth FILE.
-    input: PathBuf,
+    /// Picture: OpenEXR with colour and depth, or a photo with --depth FILE. A sequence: shot.####.exr, shot.%04d.exr,
+    /// 'shot.*.exr', or many files; then all other names may hold #### or %04d too, and results without get the number put
+    /// before their ending.
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
     /// Where to write the result: .exr (linear, premultiplied), .png, .jpg, .tif, .hdr or .pfm. A photo's result keeps the
     /// photo's transfer, profile and bits as far as the format holds them.
     #[arg(long, short, value_name = "FILE")]
@@ -68,6 +75,8 @@ pub(crate) struct Options {
     verbose: bool,
 
     #[command(flatten)]
+    frames: SequenceOptions,
+    #[command(flatten)]
     method: MethodOptions,
     #[command(flatten)]
     highlights: HighlightOptions,
@@ -79,19 +88,49 @@ pub(crate) struct Options {
     read: ReadArguments,
 }
 
+/// Which frames of a sequence, and what changes from one to the next. As many are filtered at a time as there are cores and
+/// --memory-limit has room for; a frame that fails does not stop the others, and makes the exit code 1.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Sequence")]
+struct SequenceOptions {
+    /// Frames, first and last; all that are there without. One that is missing is named, and makes the exit code 1.
+    #[arg(long, value_name = "A..B")]
+    frames: Option<Frames>,
+    /// Leave out frames whose results are complete, and no older than what they are made from.
+    #[arg(long)]
+    resume: bool,
+    /// Focus from a table (CSV): the first line names the columns, frame first, then any of focus-distance (metres), tilt,
+    /// swing (degrees), f-number, hinge-distance (metres); each further line is a key.
+    #[arg(long, value_name = "FILE.csv")]
+    focus_keys: Option<PathBuf>,
+    /// How frames between two keys are made; inverse distances and inverse f-numbers are what is interpolated.
+    #[arg(long, value_enum, value_name = "HOW", default_value_t, requires = "focus_keys")]
+    keys: Between,
+}
+
 /// Filters what was asked for.
 pub(crate) fn run(options: &Options) -> Outcome {
     options.film.check()?;
     options.lens.check()?;
+    let keys = options.frames.focus_keys.as_ref().map(|path| FocusKeys::read(path, options.frames.keys)).transpose()?;
+    if let Some(keys) = &keys {
+        keys.check(&options.lens)?;
+    }
+    if let Some(sequence) = Sequence::of(options)? {
+        return sequence::run(&sequence, options, keys.as_ref());
+    }
+    if keys.is_some() {
+        return Err(anyhow!("--focus-keys needs a sequence, like shot.####.exr").into());
+    }
     let job = Job {
-        input: options.input.clone(),
+        input: options.inputs[0].clone(),
         depth: options.read.depth_file(),
         output: options.output.clone(),
         png: options.png.clone(),
         overlay: options.overlay.clone(),
         lens: options.lens.clone(),
     };
-    job.run(options, Kept::Bar, &|line| say(line))?;
+    job.run(options, options.method.memory_limit, Shown::Bar, &|line| say(line))?;
     Ok(())
 }
 

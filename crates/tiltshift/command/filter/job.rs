@@ -11,7 +11,7 @@ use super::Options;
 use super::aim::{Taken, camera, describe};
 use super::input::{Input, read};
 use super::result::{Made, check_output, write};
-use crate::console::Bar;
+use crate::console::{Bar, Unseen};
 use crate::files::{make_folder_of, refuse_overwriting};
 use crate::lens_options::LensOptions;
 
@@ -29,9 +29,11 @@ pub(super) struct Job {
 
 /// How progress is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kept {
+pub(super) enum Shown {
     /// As a bar of its own.
     Bar,
+    /// Not at all: one of many.
+    Nothing,
 }
 
 /// Takes a line for the user.
@@ -39,7 +41,7 @@ pub(super) type Say<'a> = &'a dyn Fn(std::fmt::Arguments<'_>);
 
 impl Job {
     /// Reads, filters and writes.
-    pub(super) fn run(&self, options: &Options, kept: Kept, say: Say<'_>) -> anyhow::Result<()> {
+    pub(super) fn run(&self, options: &Options, memory_limit: u64, shown: Shown, say: Say<'_>) -> anyhow::Result<()> {
         let highlights = options.highlights.highlights()?;
         let method = options.method.method(options.predicted_error);
         self.check(options, &method)?;
@@ -60,11 +62,12 @@ impl Job {
 
         // Filter it
         let started = std::time::Instant::now();
-        let progress: Box<dyn Progress> = match kept {
-            Kept::Bar => Box::new(Bar::new(format!("filter ({})", method.name()))),
+        let progress: Box<dyn Progress> = match shown {
+            Shown::Bar => Box::new(Bar::new(format!("filter ({})", method.name()))),
+            Shown::Nothing => Box::new(Unseen),
         };
-        let limit = options.method.memory_limit;
-        let filtered = apply_in_bands(&FrameView::whole(&frame), &camera, &method, display, limit, progress.as_ref())?;
+        let filtered =
+            apply_in_bands(&FrameView::whole(&frame), &camera, &method, display, memory_limit, progress.as_ref())?;
         drop(progress);
         report(&filtered, &method, started.elapsed().as_secs_f64(), options.verbose, say);
 
@@ -79,11 +82,15 @@ impl Job {
         )
     }
 
+    /// The files that come out.
+    pub(super) fn outputs(&self) -> impl Iterator<Item = &Path> {
+        [Some(self.output.as_path()), self.png.as_deref(), self.overlay.as_deref()].into_iter().flatten()
+    }
+
     /// Finds out before any work what cannot be.
     fn check(&self, options: &Options, method: &Method) -> anyhow::Result<()> {
         check_output(self, options)?;
-        let outputs = [Some(self.output.as_path()), self.png.as_deref(), self.overlay.as_deref()];
-        let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
+        let outputs: Vec<&Path> = self.outputs().collect();
         let inputs: Vec<&Path> = [Some(self.input.as_path()), self.depth.as_deref()].into_iter().flatten().collect();
         refuse_overwriting(&inputs, &outputs)?;
         for output in outputs {
