@@ -88,6 +88,22 @@ fn what_a_map_means_is_asked_and_never_guessed() {
 }
 
 #[test]
+fn info_says_what_a_photo_and_a_map_hold() {
+    let folder = folder();
+    let words = |file: &str| {
+        let output = tiltshift(folder.path(), &["info", file]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let photo = words("photo.png");
+    assert!(photo.contains("PNG, 8 bit") && photo.contains("96 x 64") && photo.contains("sRGB"), "{photo}");
+    assert!(words("grey.png").contains("numbers from 51 to 153"));
+    let output = tiltshift(folder.path(), &["info", "metres.pfm", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["grey_from_to"], serde_json::json!([2.0, 6.0]));
+}
+
+#[test]
 fn a_photo_without_blur_comes_back_byte_for_byte() {
     let folder = folder();
     let arguments = ["--depth", "metres.pfm", "--depth-as", "planar", "--method", "pinhole"];

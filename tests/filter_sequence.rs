@@ -82,8 +82,13 @@ fn a_damaged_and_a_missing_frame_are_named_and_do_not_stop_the_others() {
     let path = |name: &str| folder.path().join(name);
     let whole = std::fs::read(path("shot.0010.exr")).unwrap();
     std::fs::write(path("shot.0010.exr"), &whole[..whole.len() / 2]).unwrap();
-    let output = filter(folder.path(), &["shot.####.exr", "-o", "out/####.exr", "--frames", "9..13"]);
+    let output = filter(folder.path(), &["shot.####.exr", "-o", "out/####.exr", "--frames", "9..13", "--json"]);
     let said = stderr(&output);
+    let lines: Vec<serde_json::Value> =
+        output.stdout.split(|&byte| byte == b'\n').filter_map(|line| serde_json::from_slice(line).ok()).collect();
+    let fates: Vec<_> = lines.iter().map(|line| (line["frame"].as_i64(), line["status"].as_str())).collect();
+    let written = Some("written");
+    assert_eq!(fates, [(Some(9), written), (Some(10), Some("failed")), (Some(12), written), (Some(13), written)]);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("frame 10: \"shot.0010.exr\" is damaged"), "{said}");
     let last = said.lines().last().unwrap();

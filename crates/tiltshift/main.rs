@@ -1,6 +1,7 @@
 //! The command line: what was typed, made into values, handed to the libraries. The only place that prints or exits.
 
 mod command;
+mod config;
 mod console;
 mod failure;
 mod files;
@@ -14,7 +15,7 @@ mod values;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::failure::{Failure, Outcome};
 
@@ -25,6 +26,10 @@ use crate::failure::{Failure, Outcome};
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 100)]
 struct Cli {
+    /// Take options from a file (TOML): their names without dashes before, e.g. f-number = 1.4, tilt = 6, coc = true, lists for
+    /// several values; in a table [COMMAND] for one command only. What is typed comes first.
+    #[arg(long, global = true, value_name = "FILE.toml")]
+    config: Option<std::path::PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -53,19 +58,31 @@ enum Command {
     Causes(command::causes::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
     Demo(command::demo::Options),
+    /// Write the completions of a shell.
+    Completions(command::completions::Options),
+    /// Write manual pages.
+    Man(command::man::Options),
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
     hush_the_decoder();
     console::listen_for_interrupts();
-    match run(cli.command) {
+    match parsed().map_err(Failure::from).and_then(|cli| run(cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             console::say(format_args!("tiltshift: {failure}"));
             failure.exit_code()
         }
     }
+}
+
+/// What was typed, with what a --config file adds. Where that makes no sense clap says why, and ends the program.
+fn parsed() -> anyhow::Result<Cli> {
+    let mut command = Cli::command();
+    command.build();
+    let line = config::with_config(&command, std::env::args_os().collect())?;
+    let matches = Cli::command().get_matches_from(line);
+    Ok(Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()))
 }
 
 /// Keeps quiet about panics of the decoder of EXR files: the reader catches them, and says in a sentence what they mean.
@@ -91,6 +108,8 @@ fn run(command: Command) -> Outcome {
         Command::Stability(options) => command::stability::run(&options),
         Command::Causes(options) => command::causes::run(&options),
         Command::Demo(options) => command::demo::run(&options),
+        Command::Completions(options) => command::completions::run(&options, &mut Cli::command()),
+        Command::Man(options) => command::man::run(&options, &Cli::command()),
     };
     // Whatever error an interrupted stage came up with, it was the interruption
     match outcome {

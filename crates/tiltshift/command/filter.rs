@@ -10,14 +10,14 @@ mod sequence;
 
 use std::path::PathBuf;
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use optics::{Camera, ThinLens};
 
 use self::job::{Job, Shown};
 use self::method::{HighlightOptions, MethodOptions};
 use self::sequence::Sequence;
-use crate::console::say;
+use crate::console::{print, say};
 use crate::failure::Outcome;
 use crate::files::Packing;
 use crate::focus_keys::{Between, FocusKeys};
@@ -70,6 +70,9 @@ pub(crate) struct Options {
     /// How the EXR is packed.
     #[arg(long, value_enum, default_value_t)]
     compression: Packing,
+    /// Write what was done to standard output as JSON: one line, or one for each frame.
+    #[arg(long)]
+    json: bool,
     /// Say what is done, in full.
     #[arg(long, short)]
     verbose: bool,
@@ -130,7 +133,10 @@ pub(crate) fn run(options: &Options) -> Outcome {
         overlay: options.overlay.clone(),
         lens: options.lens.clone(),
     };
-    job.run(options, options.method.memory_limit, Shown::Bar, &|line| say(line))?;
+    let report = job.run(options, options.method.memory_limit, Shown::Bar, &|line| say(line))?;
+    if options.json {
+        print(serde_json::to_string(&report).context("the report makes no JSON")?);
+    }
     Ok(())
 }
 

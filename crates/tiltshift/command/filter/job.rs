@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use ::filter::{Filtered, FrameView, Highlights, Method, apply_in_bands, coc_radius_px};
 use anyhow::bail;
-use optics::Camera;
-use rgbd::{Frame, Progress};
+use optics::{Camera, ThinLens};
+use rgbd::{Frame, Head, Progress};
+use serde::Serialize;
 
 use super::Options;
 use super::aim::{Taken, camera, describe};
@@ -36,12 +37,56 @@ pub(super) enum Shown {
     Nothing,
 }
 
+/// What a picture took, for scripts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Report {
+    pub(super) input: PathBuf,
+    pub(super) output: PathBuf,
+    method: &'static str,
+    kernel: String,
+    largest_coc_diameter_px: f32,
+    cut_to_radius_px: Option<f32>,
+    focal_length_mm: Option<f64>,
+    f_number: Option<f64>,
+    tilt_deg: Option<f64>,
+    swing_deg: Option<f64>,
+    /// On the optical axis; none where the plane of focus is behind the camera there, or at infinity.
+    focus_m: Option<f64>,
+    filter_seconds: f64,
+}
+
+impl Report {
+    fn new(job: &Job, method: &Method, filtered: &Filtered, lens: Option<&ThinLens>, filter_seconds: f64) -> Self {
+        let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
+        Self {
+            input: job.input.clone(),
+            output: job.output.clone(),
+            method: method.name(),
+            kernel: filtered.kernel.to_string(),
+            largest_coc_diameter_px: 2.0 * filtered.largest_radius_px,
+            cut_to_radius_px: filtered.cut_to_px,
+            focal_length_mm: lens.map(|lens| lens.focal_length() * 1e3),
+            f_number: finite(lens.map(ThinLens::f_number)),
+            tilt_deg: lens.map(|lens| lens.tilt().to_degrees()),
+            swing_deg: lens.map(|lens| lens.swing().to_degrees()),
+            focus_m: finite(lens.and_then(|lens| lens.focus().depth(glam::DVec2::ZERO))),
+            filter_seconds,
+        }
+    }
+}
+
 /// Takes a line for the user.
 pub(super) type Say<'a> = &'a dyn Fn(std::fmt::Arguments<'_>);
 
 impl Job {
     /// Reads, filters and writes.
-    pub(super) fn run(&self, options: &Options, memory_limit: u64, shown: Shown, say: Say<'_>) -> anyhow::Result<()> {
+    pub(super) fn run(
+        &self,
+        options: &Options,
+        memory_limit: u64,
+        shown: Shown,
+        say: Say<'_>,
+    ) -> anyhow::Result<Report> {
         let highlights = options.highlights.highlights()?;
         let method = options.method.method(options.predicted_error);
         self.check(options, &method)?;
@@ -69,17 +114,22 @@ impl Job {
         let filtered =
             apply_in_bands(&FrameView::whole(&frame), &camera, &method, display, memory_limit, progress.as_ref())?;
         drop(progress);
-        report(&filtered, &method, started.elapsed().as_secs_f64(), options.verbose, say);
+        let seconds = started.elapsed().as_secs_f64();
+        tell(&filtered, &method, seconds, options.verbose, say);
+        let report = Report::new(self, &method, &filtered, lens.as_ref(), seconds);
 
-        // Write what came out
+        // Write what came out; the frame makes room for the file
         let coc = (options.coc || self.overlay.is_some())
             .then(|| coc_radius_px(&FrameView::whole(&frame), &camera).cropped(display));
+        let head = Head::from(&frame);
+        drop(frame);
         write(
             self,
             options,
-            Made { frame: &frame, camera: &camera, lens: lens.as_ref(), encoding, filtered, coc, method },
+            Made { head, camera: &camera, lens: lens.as_ref(), encoding, filtered, coc, method },
             say,
-        )
+        )?;
+        Ok(report)
     }
 
     /// The files that come out.
@@ -125,7 +175,7 @@ fn recover(highlights: &Highlights, frame: Frame, say: Say<'_>) -> Frame {
 }
 
 /// Says what was done.
-fn report(filtered: &Filtered, method: &Method, seconds: f64, verbose: bool, say: Say<'_>) {
+fn tell(filtered: &Filtered, method: &Method, seconds: f64, verbose: bool, say: Say<'_>) {
     say(format_args!(
         "method {}; largest circle of confusion {:.1} px in diameter; {seconds:.2} s",
         method.name(),

@@ -3,7 +3,7 @@
 use ::filter::{Filtered, Method};
 use anyhow::bail;
 use optics::{Camera, ThinLens};
-use rgbd::{Encoding, Frame, Head, PhotoFormat, Plane, Primaries, write_photo, write_picture_with, write_png};
+use rgbd::{Encoding, Head, PhotoFormat, Plane, Primaries, write_photo, write_picture_with, write_png};
 
 use super::job::{Job, Say};
 use super::overlay::overlay;
@@ -12,7 +12,8 @@ use crate::files::{notes, write_options};
 
 /// What was made of a picture.
 pub(super) struct Made<'a> {
-    pub(super) frame: &'a Frame,
+    /// What the picture shares with what it was made from.
+    pub(super) head: Head,
     pub(super) camera: &'a Camera,
     pub(super) lens: Option<&'a ThinLens>,
     /// How the picture was stored, where it is a photo.
@@ -35,10 +36,10 @@ pub(super) fn check_output(job: &Job, options: &Options) -> anyhow::Result<()> {
 
 /// Writes the result in the format that its name asks for, and the PNG.
 pub(super) fn write(job: &Job, options: &Options, made: Made<'_>, say: Say<'_>) -> anyhow::Result<()> {
-    let Made { frame, camera, lens, encoding, filtered, coc, method } = made;
+    let Made { head, camera, lens, encoding, filtered, coc, method } = made;
     match PhotoFormat::of_name(&job.output) {
         None => {
-            let head = Head { camera: Some(*camera), ..Head::from(frame) };
+            let head = Head { camera: Some(*camera), ..head };
             let kernel = ("kernel", filtered.kernel.to_string());
             let input = ("input", job.input.display().to_string());
             let notes = notes([("method", method.name().to_owned()), kernel, input]);
@@ -55,12 +56,12 @@ pub(super) fn write(job: &Job, options: &Options, made: Made<'_>, say: Say<'_>) 
                 Some(encoding) => encoding.in_format(format),
                 None => Encoding::plain(format),
             };
-            if encoding.primaries == frame.primaries || format.is_linear() {
+            if encoding.primaries == head.primaries || format.is_linear() {
                 write_photo(&job.output, &filtered.picture, &encoding, options.exposure)?;
             } else {
-                write_photo(&job.output, &filtered.picture.to_rec709(&frame.primaries), &encoding, options.exposure)?;
+                write_photo(&job.output, &filtered.picture.to_rec709(&head.primaries), &encoding, options.exposure)?;
             }
-            if frame.primaries != Primaries::REC709 && format.is_linear() {
+            if head.primaries != Primaries::REC709 && format.is_linear() {
                 say(format_args!(
                     "  {format} cannot say that its primaries are other than Rec. 709: they are the input's"
                 ));
@@ -70,12 +71,12 @@ pub(super) fn write(job: &Job, options: &Options, made: Made<'_>, say: Say<'_>) 
     say(format_args!("wrote {}", job.output.display()));
     if let (Some(path), Some(coc)) = (&job.overlay, &coc) {
         let shown =
-            filtered.picture.to_rec709(&frame.primaries).map(|rgba| rgba.map(|value| value * options.exposure.exp2()));
+            filtered.picture.to_rec709(&head.primaries).map(|rgba| rgba.map(|value| value * options.exposure.exp2()));
         write_png(path, &overlay(&shown, coc), 0.0)?;
         say(format_args!("wrote {}", path.display()));
     }
     if let Some(png) = &job.png {
-        write_png(png, &filtered.picture.to_rec709(&frame.primaries), options.exposure)?;
+        write_png(png, &filtered.picture.to_rec709(&head.primaries), options.exposure)?;
         say(format_args!("wrote {}", png.display()));
     }
     Ok(())

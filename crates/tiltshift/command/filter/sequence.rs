@@ -8,10 +8,11 @@ use std::time::{Instant, SystemTime};
 
 use anyhow::bail;
 use rgbd::{PhotoFormat, Progress, photo_size, survey_file};
+use serde_json::json;
 
 use super::Options;
-use super::job::{Job, Shown};
-use crate::console::{Bar, is_interrupted, say};
+use super::job::{Job, Report, Shown};
+use crate::console::{Bar, is_interrupted, print, say};
 use crate::failure::{Failure, Outcome};
 use crate::focus_keys::FocusKeys;
 use crate::frame_pattern::{FramePattern, expect_some, globbed, in_words, is_glob, last_number, numbered};
@@ -89,7 +90,7 @@ impl Sequence {
 
 /// What became of a frame.
 enum Fate {
-    Written,
+    Written(Box<Report>),
     /// It was complete already.
     Kept,
     Failed(String),
@@ -136,7 +137,22 @@ pub(super) fn run(sequence: &Sequence, options: &Options, keys: Option<&FocusKey
         }
     });
     drop(bar);
-    tell(sequence, &fates.into_inner().expect("no worker panics"), started.elapsed().as_secs_f64())
+    let fates = fates.into_inner().expect("no worker panics");
+    if options.json {
+        print_json(&fates);
+    }
+    tell(sequence, &fates, started.elapsed().as_secs_f64())
+}
+
+/// One line of JSON for each frame.
+fn print_json(fates: &BTreeMap<i64, Fate>) {
+    for (frame, fate) in fates {
+        print(match fate {
+            Fate::Written(report) => json!({ "frame": frame, "status": "written", "report": report }),
+            Fate::Kept => json!({ "frame": frame, "status": "kept" }),
+            Fate::Failed(why) => json!({ "frame": frame, "status": "failed", "error": why }),
+        });
+    }
 }
 
 /// Says what became of the frames, and fails if some did.
@@ -144,7 +160,7 @@ fn tell(sequence: &Sequence, fates: &BTreeMap<i64, Fate>, seconds: f64) -> Outco
     let of = |wanted: &dyn Fn(&Fate) -> bool| -> Vec<i64> {
         fates.iter().filter(|(_, fate)| wanted(fate)).map(|(&frame, _)| frame).collect()
     };
-    let written = of(&|fate| matches!(fate, Fate::Written));
+    let written = of(&|fate| matches!(fate, Fate::Written(_)));
     let kept = of(&|fate| matches!(fate, Fate::Kept));
     let failed = of(&|fate| matches!(fate, Fate::Failed(_)));
     let mut summary = format!("{} frames written in {seconds:.1} s", written.len());
@@ -167,7 +183,11 @@ fn tell(sequence: &Sequence, fates: &BTreeMap<i64, Fate>, seconds: f64) -> Outco
         summary = format!("{summary}; {} missing: frames {}", sequence.missing.len(), in_words(&sequence.missing));
     }
     let is_incomplete = !failed.is_empty() || (sequence.are_named && !sequence.missing.is_empty());
-    if is_incomplete { Err(Failure::Exceeded(summary)) } else { Ok(say(summary)) }
+    if is_incomplete {
+        return Err(Failure::Exceeded(summary));
+    }
+    say(summary);
+    Ok(())
 }
 
 /// What a frame needs.
@@ -206,7 +226,7 @@ fn one(frame: i64, job: &Job, options: &Options, memory_limit: u64, is_first: bo
         }
     }
     match outcome {
-        Ok(()) => Fate::Written,
+        Ok(report) => Fate::Written(Box::new(report)),
         Err(error) => Fate::Failed(Failure::Input(error).to_string()),
     }
 }
