@@ -309,12 +309,12 @@ fn a_preset_brings_its_focal_length_and_aperture_and_warns_of_its_limits() {
 
 #[test]
 fn two_points_make_a_lens_without_swing_that_is_sharp_at_both() {
-    // A floor 1.5 m below a level camera of 24 mm: 2 m and 20 m away, seen at rows of their own
+    // A floor 1.5 m below a level camera of 24 mm: 4 m and 20 m away, seen at rows of their own
     let (f, width, height) = (24.0, 1280.0, 720.0);
     let row = |z: f64| (0.5 * height + 1.5 / z * f / 36.0 * width - 0.5_f64).round();
     let depth = |row: f64| 1.5 * f / 36.0 * width / (row + 0.5 - 0.5 * height);
     let points: Vec<String> =
-        [2.0, 20.0].iter().map(|&z| format!("--point 640,{},{}", row(z), depth(row(z)))).collect();
+        [4.0, 20.0].iter().map(|&z| format!("--point 640,{},{}", row(z), depth(row(z)))).collect();
     let arguments = format!("--focal-length 24 --sensor-width 36 -N 4 {} --json", points.join(" "));
     let output = cargo_bin_cmd!("tiltshift").arg("lens").args(arguments.split_whitespace()).output().unwrap();
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

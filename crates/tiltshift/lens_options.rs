@@ -75,27 +75,27 @@ pub(crate) struct LensOptions {
     pub(crate) cat_eye: Option<f64>,
 
     /// Focus at this depth in metres on the optical axis (`inf` for infinity).
-    #[arg(long, value_name = "M", group = "focus")]
+    #[arg(long, value_name = "M", group = "focus", help_heading = "Focus")]
     pub(crate) focus_distance: Option<f64>,
     /// Focus on what is seen at a pixel of the picture.
-    #[arg(long, value_name = "X,Y", group = "focus")]
+    #[arg(long, value_name = "X,Y", group = "focus", help_heading = "Focus")]
     pub(crate) focus_pixel: Option<Pixel>,
     /// Lay the plane of focus through what is seen at three pixels, and tilt and swing follow; or at two, and the tilt follows,
     /// without swing.
-    #[arg(long, value_name = "X,Y", num_args = 2..=3, group = "focus", conflicts_with_all = ["tilt", "swing", "hinge_distance"])]
+    #[arg(long, value_name = "X,Y", num_args = 2..=3, group = "focus", help_heading = "Focus", conflicts_with_all = ["tilt", "swing", "hinge_distance"])]
     pub(crate) focus_points: Option<Vec<Pixel>>,
     /// Lay the plane of focus at this angle in degrees from the optical axis and this distance in metres along it; the
     /// tilt follows.
-    #[arg(long, value_name = "DEG,M", group = "focus", allow_hyphen_values = true,
+    #[arg(long, value_name = "DEG,M", group = "focus", help_heading = "Focus", allow_hyphen_values = true,
           conflicts_with_all = ["tilt", "swing", "hinge_distance"])]
     pub(crate) focus_plane: Option<Pair>,
     /// Keep sharp what lies between two rows of the picture (from the top), by the median depth of each: focus follows, and the
     /// aperture too unless it is given, so that the band blurs by 1 px radius at its borders. The tilt is kept.
-    #[arg(long, value_name = "ROW,ROW", group = "focus")]
+    #[arg(long, value_name = "ROW,ROW", group = "focus", help_heading = "Focus")]
     pub(crate) focus_band: Option<Band>,
     /// Find the ground in the depth, and lay the plane of focus along it (`ground`: sharp from near to far) or stand it up on
     /// it, across the view (`miniature`: a sharp strip, through the middle of the picture or --focus-pixel); the tilt follows.
-    #[arg(long = "focus", id = "focus_wish", value_enum, value_name = "WISH",
+    #[arg(long = "focus", id = "focus_wish", value_enum, value_name = "WISH", help_heading = "Focus",
           conflicts_with_all = ["tilt", "swing", "hinge_distance", "focus_distance", "focus_points", "focus_plane", "focus_band"])]
     pub(crate) focus: Option<FocusWish>,
 }

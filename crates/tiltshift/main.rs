@@ -21,8 +21,8 @@ use crate::failure::{Failure, Outcome};
 
 /// Tilt-shift depth of field: trace it, filter it, and measure how far the two are apart.
 ///
-/// Lengths of lenses are in mm, distances in metres, angles in degrees. Exit codes: 0 done, 1 a threshold was exceeded,
-/// 2 bad input or usage, 130 interrupted.
+/// Lengths of lenses are in mm, distances in metres, angles in degrees. Exit codes: 0 done, 1 a threshold was exceeded
+/// or a frame of a sequence failed, 2 bad input or usage, 130 interrupted.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 100)]
 struct Cli {
@@ -40,13 +40,10 @@ enum Command {
     Render(command::render::Options),
     /// Join parts of a render.
     Merge(command::merge::Options),
-    /// Put a tilt-shift lens onto an RGB-D picture of any renderer.
     Filter(Box<command::filter::Options>),
     /// Say how far pictures are from a reference, and where.
     Compare(command::compare::Options),
-    /// Say what a picture file holds, and what would be taken as its colour and depth.
     Info(command::info::Options),
-    /// Say what a lens setting means: plane of focus, hinge, depth of field.
     Lens(Box<command::lens::Options>),
     /// Filter a shot of a scene, and trace the pixels that the filter predicts to get wrong.
     Hybrid(command::hybrid::Options),
@@ -58,9 +55,7 @@ enum Command {
     Causes(command::causes::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
     Demo(command::demo::Options),
-    /// Write the completions of a shell.
     Completions(command::completions::Options),
-    /// Write manual pages.
     Man(command::man::Options),
 }
 

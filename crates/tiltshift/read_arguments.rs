@@ -108,8 +108,10 @@ impl ReadArguments {
     }
 }
 
-/// Whether what was typed for --depth is a file: channels have no endings of pictures.
+/// Whether what was typed for --depth is a file: it is there, or ends as pictures do, which channels do not.
 fn names_file(name: &str) -> bool {
     let path = Path::new(name);
-    PhotoFormat::of_name(path).is_some() || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"))
+    path.is_file()
+        || PhotoFormat::of_name(path).is_some()
+        || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"))
 }

@@ -78,17 +78,17 @@ pub(crate) struct Options {
     verbose: bool,
 
     #[command(flatten)]
-    frames: SequenceOptions,
-    #[command(flatten)]
-    method: MethodOptions,
-    #[command(flatten)]
-    highlights: HighlightOptions,
-    #[command(flatten)]
     lens: LensOptions,
     #[command(flatten)]
     film: FilmOptions,
     #[command(flatten)]
     read: ReadArguments,
+    #[command(flatten)]
+    frames: SequenceOptions,
+    #[command(flatten)]
+    method: MethodOptions,
+    #[command(flatten)]
+    highlights: HighlightOptions,
 }
 
 /// Which frames of a sequence, and what changes from one to the next. As many are filtered at a time as there are cores and

@@ -33,11 +33,11 @@ pub(crate) struct Options {
     #[command(flatten)]
     lens: LensOptions,
     /// Focus by the image distance in mm: from the lens to the sensor, along the sensor's normal.
-    #[arg(long, value_name = "MM", group = "focus", help_heading = "Lens")]
+    #[arg(long, value_name = "MM", group = "focus", help_heading = "Focus")]
     image_distance: Option<f64>,
     /// Focus on a depth seen at a pixel: column, row (from the top left), depth in metres (`inf` for the sky). Given
     /// two or three times it lays the plane of focus through the points; the tilt follows, and with three the swing too.
-    #[arg(long, value_name = "X,Y,M", group = "focus", allow_hyphen_values = true, help_heading = "Lens")]
+    #[arg(long, value_name = "X,Y,M", group = "focus", allow_hyphen_values = true, help_heading = "Focus")]
     point: Vec<Point>,
 
     /// Size of the picture in pixels.

@@ -28,10 +28,22 @@ pub(super) fn camera(
     if let (Some(camera), false) = (frame.camera, job.lens.is_given()) {
         return Ok(Taken { camera, lens: None });
     }
+    // Ask for all that is missing at once
+    let film = &options.film;
+    let knows_film = frame.camera.is_some()
+        || film.fov.or(film.sensor_width).is_some()
+        || film.sensor.is_some()
+        || attributes.horizontal_fov_deg.is_some()
+        || (attributes.focal_length_mm.is_some() && attributes.sensor_mm.is_some());
     if !job.lens.is_given() {
+        let sees = if knows_film {
+            ""
+        } else {
+            ", and what its camera sees: --focal-length and --sensor-width (or --sensor), or --fov"
+        };
         bail!(
-            "{:?} does not say what lens to use; give --f-number and a focus (--focus-distance, --focus-pixel, \
-             --focus-points, --focus-plane, --focus-band or --focus)",
+            "{:?} does not say what lens to use; give --f-number (or --lens-preset) and a focus (--focus-distance, --focus-pixel, \
+             --focus-points, --focus-plane, --focus-band or --focus){sees}",
             job.input
         );
     }
@@ -55,7 +67,7 @@ pub(super) fn camera(
         Some(camera) => camera.film,
         None => typed.film(width, height, aspect)?.or(film_options.film(width, height, aspect)?).ok_or_else(|| {
             anyhow!(
-                "{:?} does not say what its camera sees; give --focal-length and --sensor-width, or --fov",
+                "{:?} does not say what its camera sees; give --focal-length and --sensor-width (or --sensor), or --fov",
                 job.input
             )
         })?,

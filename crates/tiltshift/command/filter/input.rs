@@ -194,7 +194,7 @@ fn tell(path: &Path, map: &DepthMap, meaning: &MapMeaning, depth: &Plane, displa
         (width, height) => format!(", {width}x{height} brought to the picture's size"),
     };
     let found = match DepthSummary::of_depths(depth).range {
-        Some([near, far]) => format!("{near} to {far}"),
+        Some([near, far]) => format!("{near:.4} to {far:.4}"),
         None => "nowhere finite".to_owned(),
     };
     say(format_args!(

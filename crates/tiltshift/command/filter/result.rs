@@ -25,6 +25,20 @@ pub(super) struct Made<'a> {
 
 /// Fails if the result's format cannot hold what is asked for.
 pub(super) fn check_output(job: &Job, options: &Options) -> anyhow::Result<()> {
+    // What is named otherwise than it is misleads whoever opens it
+    for (option, path) in [("--png", &job.png), ("--overlay", &job.overlay)] {
+        if let Some(path) =
+            path.as_ref().filter(|path| PhotoFormat::of_name(path).is_some_and(|f| f != PhotoFormat::Png))
+        {
+            bail!("{option} writes a PNG; {path:?} should be named .png");
+        }
+    }
+    const NOT_WRITTEN: [&str; 12] =
+        ["webp", "gif", "bmp", "avif", "heic", "heif", "jxl", "tga", "psd", "dng", "jp2", "dpx"];
+    let ending = job.output.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    if let Some(ending) = ending.filter(|ending| NOT_WRITTEN.contains(&ending.as_str())) {
+        bail!("{:?}: {ending} is not written; name it .exr, .png, .jpg, .tif, .hdr or .pfm", job.output);
+    }
     let Some(format) = PhotoFormat::of_name(&job.output) else { return Ok(()) };
     for (name, is_asked) in [("--coc", options.coc), ("--predicted-error", options.predicted_error)] {
         if is_asked {

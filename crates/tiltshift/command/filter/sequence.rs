@@ -47,7 +47,11 @@ impl Sequence {
         if let Some(pattern) = FramePattern::of(first) {
             let mut inputs = pattern.found()?;
             if let Some(Frames([a, b])) = range {
+                expect_some(first, &inputs)?;
                 inputs.retain(|frame, _| (a..=b).contains(frame));
+                if inputs.is_empty() {
+                    bail!("no file that fits {first:?} is of frames {a}..{b}");
+                }
             }
             expect_some(first, &inputs)?;
             return Ok(Some(Self::new(inputs, range)));
