@@ -229,7 +229,7 @@ fn bad_requests_exit_with_2_and_say_in_one_line_what_would_do() {
             "threshold of highlights is 1; it must be 0 or more",
         ),
         (&["filter", "d.exr", "-o", "o.exr", "--highlight-threshold", "0.5"], "--highlight-gain"),
-        (&["filter", "d.exr", "-o", "o.png"], "--png"),
+        (&["filter", "d.exr", "-o", "o.png", "--coc"], "name it .exr for --coc"),
         (&["compare", "t.exr", "missing.exr"], "missing.exr"),
         (&["render", &scene, "--shot", "nosuch"], "nosuch"),
         (&["render", &scene, "--shot", "tilt", "--noise", "-1"], "--noise"),

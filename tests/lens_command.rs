@@ -240,7 +240,10 @@ fn impossible_requests_end_with_code_2_and_one_line() {
         ("--focal-length 50 --fov 40 -N 2 --focus-plane 120,2", "120 degrees"),
         ("--focal-length 50 --fov 40 -N 2 --focus-distance 2 --blades 2", "blades"),
         ("--focal-length 50 --fov 40 -N 2 --focus-pixel 4,5", "--point X,Y,M"),
-        ("--focal-length 50 --fov 40 -N 2 --point 4,5,2 --point 40,5,2", "given 2 times"),
+        ("--focal-length 50 --fov 40 -N 2 --point 4,5,2 --point 40,5,2", "same height"),
+        ("--focal-length 50 --fov 40 -N 2 --point 4,5,2 --point 4,6,2 --point 5,5,2 --point 5,6,2", "given 4 times"),
+        ("--lens-preset canon-ts-e-24 --focal-length 50 --sensor full-frame --focus-distance 2", "24 mm"),
+        ("--focal-length 50 --fov 40 -N 2 --focus ground", "--point X,Y,M"),
         ("--focal-length 50 --fov 40 -N 2 --point 1,1,1 --point 2,2,2 --point 3,3,3", "on one line"),
         ("--focal-length 50 --fov 40 -N 2 --point 1,1,1 --point 2,9,2 --point 3,3,3 --tilt 2", "leave out --tilt"),
         ("--focal-length 50 --fov 40 -N 2 --point 1280,1,1", "outside the picture"),
@@ -265,14 +268,58 @@ fn help_names_the_unit_of_every_option() {
     // An option is a line that begins with a dash and what follows it; a switch takes no value and has no unit
     let options = help.split("\n      --").chain(help.split("\n  -N, --")).skip(1);
     let mut number_of_options = 0;
-    for option in options.filter(|text| text.lines().next().is_some_and(|line| line.contains('<'))) {
+    // Names of lenses and sensors have none either
+    let is_measure =
+        |text: &&str| text.lines().next().is_some_and(|line| line.contains('<') && !line.contains("<NAME>"));
+    for option in options.filter(is_measure) {
         let end = option.find("\n  -").or_else(|| option.find("\n\n")).unwrap_or(option.len());
         let text = option[..end].to_lowercase().split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(units.iter().any(|unit| text.contains(unit)), "no unit: {text}");
         number_of_options += 1;
     }
     assert!(number_of_options >= 15, "{help}");
-    for hidden in ["--focus-pixel", "--focus-points", "--metres-per-unit"] {
+    for hidden in ["--focus-pixel", "--focus-points", "--focus-band", "--focus <", "--metres-per-unit"] {
         assert!(!help.contains(hidden), "{hidden} has no use without a picture");
     }
+}
+
+#[test]
+fn a_preset_brings_its_focal_length_and_aperture_and_warns_of_its_limits() {
+    let run = |more: &str| {
+        let start = "lens --lens-preset canon-ts-e-24-ii --sensor full-frame --focus-distance 2 --json";
+        let arguments = start.split(' ').chain(more.split_whitespace());
+        let output = cargo_bin_cmd!("tiltshift").args(arguments).output().unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{err}");
+        (serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap(), err)
+    };
+    let (report, warnings) = run("--tilt 8");
+    assert_eq!(report["lens"]["focal_length_mm"].as_f64().map(f64::round), Some(24.0));
+    assert_eq!(report["lens"]["f_number"].as_f64(), Some(3.5));
+    assert!(warnings.is_empty(), "{warnings}");
+    let (report, warnings) = run("--tilt 10 -N 1.4 --shift 0,13");
+    assert_eq!(report["lens"]["f_number"].as_f64(), Some(1.4), "what is typed is done");
+    for limit in ["f/3.5", "8.5°", "12 mm"] {
+        assert!(warnings.contains(limit), "{limit}: {warnings}");
+    }
+    let list = cargo_bin_cmd!("tiltshift").args(["lens", "--list-presets"]).output().unwrap();
+    let list = String::from_utf8(list.stdout).unwrap();
+    assert!(list.contains("canon-ts-e-24-ii") && list.contains("full-frame"), "{list}");
+}
+
+#[test]
+fn two_points_make_a_lens_without_swing_that_is_sharp_at_both() {
+    // A floor 1.5 m below a level camera of 24 mm: 4 m and 20 m away, seen at rows of their own
+    let (f, width, height) = (24.0, 1280.0, 720.0);
+    let row = |z: f64| (0.5 * height + 1.5 / z * f / 36.0 * width - 0.5_f64).round();
+    let depth = |row: f64| 1.5 * f / 36.0 * width / (row + 0.5 - 0.5 * height);
+    let points: Vec<String> =
+        [4.0, 20.0].iter().map(|&z| format!("--point 640,{},{}", row(z), depth(row(z)))).collect();
+    let arguments = format!("--focal-length 24 --sensor-width 36 -N 4 {} --json", points.join(" "));
+    let output = cargo_bin_cmd!("tiltshift").arg("lens").args(arguments.split_whitespace()).output().unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    // The plane of focus is that floor: its hinge 1.5 m below the lens, no swing
+    assert!(report["lens"]["swing_deg"].as_f64().unwrap().abs() < 1e-9);
+    let hinge = report["plane_of_focus"]["hinge"]["distance_m"].as_f64().unwrap();
+    assert!((hinge - 1.5).abs() < 1e-6, "{hinge}");
 }

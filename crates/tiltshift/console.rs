@@ -62,6 +62,17 @@ impl Bar {
     }
 }
 
+/// Nothing to see; it only carries Ctrl-C to the work.
+pub(crate) struct Unseen;
+
+impl Progress for Unseen {
+    fn report(&self, _: u64, _: u64) {}
+
+    fn is_cancelled(&self) -> bool {
+        is_interrupted()
+    }
+}
+
 impl Progress for Bar {
     fn report(&self, done: u64, total: u64) {
         self.bar.set_length(total);

@@ -5,6 +5,8 @@ use clap::Args;
 use glam::DVec2;
 use optics::{ApertureShape, Camera, Film, Focus, Nakane, Pose, ThinLens};
 
+use crate::focus_wish::{Band, FocusWish, Seen, ground_plane};
+use crate::presets::{LensPreset, SensorFormat};
 use crate::values::{Pair, Pixel};
 
 /// What the picture shows: the field of view of the camera that rendered it.
@@ -17,6 +19,9 @@ pub(crate) struct FilmOptions {
     /// Width of the sensor in mm (36 for full frame).
     #[arg(long, value_name = "MM")]
     pub(crate) sensor_width: Option<f64>,
+    /// Format of the sensor, instead of --sensor-width; its long side lies along the picture's.
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["sensor_width", "fov"], hide_possible_values = true)]
+    pub(crate) sensor: Option<SensorFormat>,
     /// Horizontal field of view of the picture in degrees.
     #[arg(long, value_name = "DEG")]
     pub(crate) fov: Option<f64>,
@@ -32,6 +37,10 @@ pub(crate) struct FilmOptions {
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Lens")]
 pub(crate) struct LensOptions {
+    /// A real tilt-shift lens: its focal length, its widest f-number unless --f-number is given, and a warning where the setting
+    /// is beyond what it can do. `tiltshift lens --list-presets` lists them, and the sensors.
+    #[arg(long, value_enum, value_name = "NAME", hide_possible_values = true)]
+    pub(crate) lens_preset: Option<LensPreset>,
     /// F-number; the aperture radius is focal length / (2 N).
     #[arg(long, short = 'N', value_name = "N")]
     pub(crate) f_number: Option<f64>,
@@ -66,19 +75,29 @@ pub(crate) struct LensOptions {
     pub(crate) cat_eye: Option<f64>,
 
     /// Focus at this depth in metres on the optical axis (`inf` for infinity).
-    #[arg(long, value_name = "M", group = "focus")]
+    #[arg(long, value_name = "M", group = "focus", help_heading = "Focus")]
     pub(crate) focus_distance: Option<f64>,
     /// Focus on what is seen at a pixel of the picture.
-    #[arg(long, value_name = "X,Y", group = "focus")]
+    #[arg(long, value_name = "X,Y", group = "focus", help_heading = "Focus")]
     pub(crate) focus_pixel: Option<Pixel>,
-    /// Lay the plane of focus through what is seen at three pixels; tilt and swing follow.
-    #[arg(long, value_name = "X,Y", num_args = 3, group = "focus", conflicts_with_all = ["tilt", "swing", "hinge_distance"])]
+    /// Lay the plane of focus through what is seen at three pixels, and tilt and swing follow; or at two, and the tilt follows,
+    /// without swing.
+    #[arg(long, value_name = "X,Y", num_args = 2..=3, group = "focus", help_heading = "Focus", conflicts_with_all = ["tilt", "swing", "hinge_distance"])]
     pub(crate) focus_points: Option<Vec<Pixel>>,
     /// Lay the plane of focus at this angle in degrees from the optical axis and this distance in metres along it; the
     /// tilt follows.
-    #[arg(long, value_name = "DEG,M", group = "focus", allow_hyphen_values = true,
+    #[arg(long, value_name = "DEG,M", group = "focus", help_heading = "Focus", allow_hyphen_values = true,
           conflicts_with_all = ["tilt", "swing", "hinge_distance"])]
     pub(crate) focus_plane: Option<Pair>,
+    /// Keep sharp what lies between two rows of the picture (from the top), by the median depth of each: focus follows, and the
+    /// aperture too unless it is given, so that the band blurs by 1 px radius at its borders. The tilt is kept.
+    #[arg(long, value_name = "ROW,ROW", group = "focus", help_heading = "Focus")]
+    pub(crate) focus_band: Option<Band>,
+    /// Find the ground in the depth, and lay the plane of focus along it (`ground`: sharp from near to far) or stand it up on
+    /// it, across the view (`miniature`: a sharp strip, through the middle of the picture or --focus-pixel); the tilt follows.
+    #[arg(long = "focus", id = "focus_wish", value_enum, value_name = "WISH", help_heading = "Focus",
+          conflicts_with_all = ["tilt", "swing", "hinge_distance", "focus_distance", "focus_points", "focus_plane", "focus_band"])]
+    pub(crate) focus: Option<FocusWish>,
 }
 
 /// What was made of the options.
@@ -103,6 +122,28 @@ impl FilmOptions {
     pub(crate) fn check(&self) -> anyhow::Result<()> {
         positive_mm("--focal-length", self.focal_length)?;
         positive_mm("--sensor-width", self.sensor_width)
+    }
+
+    /// The same with the names of sensor and lens as numbers, for a picture of `width` x `height` pixels of `pixel_aspect`.
+    pub(crate) fn settled(
+        &self,
+        lens: &LensOptions,
+        width: u32,
+        height: u32,
+        pixel_aspect: f64,
+    ) -> anyhow::Result<Self> {
+        if let (Some(preset), Some(typed)) = (lens.lens_preset, self.focal_length)
+            && preset.focal_length_mm != typed
+        {
+            let LensPreset { name, focal_length_mm, .. } = preset;
+            bail!("--lens-preset {name} has {focal_length_mm} mm; leave out --focal-length {typed}");
+        }
+        let named = self.sensor.map(|sensor| sensor.width_mm(f64::from(width) * pixel_aspect, f64::from(height)));
+        Ok(Self {
+            sensor_width: self.sensor_width.or(named),
+            focal_length: self.focal_length.or(lens.lens_preset.map(|preset| preset.focal_length_mm)),
+            ..self.clone()
+        })
     }
 
     /// Focal length in mm as the picture's scale needs it: given, or from sensor width and field of view.
@@ -143,6 +184,9 @@ impl LensOptions {
                 bail!("{name} is {angle} degrees; it must be between -90 and 90");
             }
         }
+        if self.focus == Some(FocusWish::Ground) && self.focus_pixel.is_some() {
+            bail!("--focus ground takes the whole ground; leave out --focus-pixel");
+        }
         if let Some(plane) = self.focus_plane.filter(|plane| plane.0 == 0.0 || plane.0.abs() > 90.0) {
             bail!("--focus-plane has an angle of {} degrees; it must be between -90 and 90, and not 0", plane.0);
         }
@@ -156,13 +200,16 @@ impl LensOptions {
             || self.focus_pixel.is_some()
             || self.focus_points.is_some()
             || self.focus_plane.is_some()
+            || self.focus_band.is_some()
+            || self.focus.is_some()
+            || self.lens_preset.is_some()
             || self.blades.is_some()
             || self.anamorphic.is_some()
             || self.cat_eye.is_some()
             || self.upright_iris
     }
 
-    /// The camera with this lens; `depth_at` tells the depth in metres of what a pixel of the picture shows.
+    /// The camera with this lens on a picture, of which `seen` tells the depths in metres.
     ///
     /// `film` is held: focusing does not change what the picture shows. Focal length and depths in metres inside.
     pub(crate) fn camera(
@@ -171,12 +218,12 @@ impl LensOptions {
         film: Film,
         focal_length_mm: Option<f64>,
         metres_per_unit: f64,
-        depth_at: impl Fn(Pixel) -> anyhow::Result<f64>,
+        seen: &dyn Seen,
     ) -> anyhow::Result<Chosen> {
         let focal_length_mm = focal_length_mm.ok_or_else(|| {
             anyhow!("the focal length of the lens is not known; give --focal-length (or --fov with --sensor-width)")
         })?;
-        let lens = self.lens(film, focal_length_mm * 1e-3, depth_at)?;
+        let lens = self.lens(film, focal_length_mm * 1e-3, seen)?;
         let shape = match self.blades {
             Some(blades) => ApertureShape::polygon(blades, self.blade_rotation.to_radians())?,
             None => ApertureShape::Disc,
@@ -195,21 +242,20 @@ impl LensOptions {
     }
 
     /// The lens in metres.
-    fn lens(
-        &self,
-        film: Film,
-        focal_length: f64,
-        depth_at: impl Fn(Pixel) -> anyhow::Result<f64>,
-    ) -> anyhow::Result<ThinLens> {
-        let f_number = match (self.f_number, self.aperture_radius) {
-            (Some(f_number), _) => f_number,
-            (None, Some(radius)) => 0.5e3 * focal_length / radius,
-            (None, None) => bail!("the aperture is not known; give --f-number or --aperture-radius"),
+    fn lens(&self, film: Film, focal_length: f64, seen: &dyn Seen) -> anyhow::Result<ThinLens> {
+        let f_number = match (self.f_number, self.aperture_radius, self.lens_preset) {
+            (Some(f_number), ..) => Some(f_number),
+            (None, Some(radius), _) => Some(0.5e3 * focal_length / radius),
+            (None, None, Some(preset)) if self.focus_band.is_none() => Some(preset.widest_f_number),
+            _ => None,
         };
+        if f_number.is_none() && self.focus_band.is_none() {
+            bail!("the aperture is not known; give --f-number or --aperture-radius");
+        }
 
         // A whole plane of focus fixes tilt and swing
-        if let Some(focus) = self.plane(&film, &depth_at)? {
-            return Ok(ThinLens::of_focal_length(&focus, focal_length, f_number)?);
+        if let Some(focus) = self.plane(&film, seen)? {
+            return Ok(ThinLens::of_focal_length(&focus, focal_length, f_number.unwrap_or(f64::INFINITY))?);
         }
 
         // Else the lens stands as asked and focuses on a depth
@@ -218,24 +264,36 @@ impl LensOptions {
             None => self.tilt.unwrap_or(0.0).to_radians(),
         };
         let swing = self.swing.unwrap_or(0.0).to_radians();
-        let lens = ThinLens::new(focal_length, f_number, focal_length)?.tilted(tilt, swing)?;
+        let lens = ThinLens::new(focal_length, f_number.unwrap_or(f64::INFINITY), focal_length)?.tilted(tilt, swing)?;
+        if let Some(band) = self.focus_band {
+            return band.focused(lens, &film, seen, f_number.is_none());
+        }
         match (self.focus_distance, self.focus_pixel) {
             (Some(distance), _) => Ok(lens.focused_at(DVec2::ZERO, distance)?),
-            (None, Some(pixel)) => Ok(lens.focused_at(film.q_from_pixel(pixel.center()), depth_at(pixel)?)?),
+            (None, Some(pixel)) => Ok(lens.focused_at(film.q_from_pixel(pixel.center()), seen.depth_at(pixel)?)?),
             (None, None) => {
-                bail!("the focus is not known; give --focus-distance, --focus-pixel, --focus-points or --focus-plane")
+                bail!(
+                    "the focus is not known; give --focus-distance, --focus-pixel, --focus-points, --focus-plane, --focus-band or \
+                     --focus"
+                )
             }
         }
     }
 
     /// The plane of focus where the options give all of it.
-    fn plane(&self, film: &Film, depth_at: impl Fn(Pixel) -> anyhow::Result<f64>) -> anyhow::Result<Option<Focus>> {
+    fn plane(&self, film: &Film, seen: &dyn Seen) -> anyhow::Result<Option<Focus>> {
         if let Some(Pair(theta, distance)) = self.focus_plane {
             return Ok(Some(Nakane::new(theta.to_radians(), distance)?.focus()?));
         }
+        if let Some(wish) = self.focus {
+            return ground_plane(wish, self.focus_pixel, film, seen).map(Some);
+        }
         let Some(points) = &self.focus_points else { return Ok(None) };
-        let pick = |pixel: Pixel| anyhow::Ok((film.q_from_pixel(pixel.center()), depth_at(pixel)?));
-        let &[a, b, c] = points.as_slice() else { bail!("--focus-points takes three pixels") };
-        Ok(Some(Focus::through_pixels([pick(a)?, pick(b)?, pick(c)?])?))
+        let pick = |pixel: Pixel| anyhow::Ok((film.q_from_pixel(pixel.center()), seen.depth_at(pixel)?));
+        match *points.as_slice() {
+            [a, b] => Ok(Some(Focus::through_two_pixels([pick(a)?, pick(b)?])?)),
+            [a, b, c] => Ok(Some(Focus::through_pixels([pick(a)?, pick(b)?, pick(c)?])?)),
+            _ => bail!("--focus-points takes two pixels or three"),
+        }
     }
 }

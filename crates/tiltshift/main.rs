@@ -1,26 +1,35 @@
 //! The command line: what was typed, made into values, handed to the libraries. The only place that prints or exits.
 
 mod command;
+mod config;
 mod console;
 mod failure;
 mod files;
+mod focus_keys;
+mod focus_wish;
+mod frame_pattern;
 mod lens_options;
+mod presets;
 mod read_arguments;
 mod values;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::failure::{Failure, Outcome};
 
 /// Tilt-shift depth of field: trace it, filter it, and measure how far the two are apart.
 ///
-/// Lengths of lenses are in mm, distances in metres, angles in degrees. Exit codes: 0 done, 1 a threshold was exceeded,
-/// 2 bad input or usage, 130 interrupted.
+/// Lengths of lenses are in mm, distances in metres, angles in degrees. Exit codes: 0 done, 1 a threshold was exceeded
+/// or a frame of a sequence failed, 2 bad input or usage, 130 interrupted.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 100)]
 struct Cli {
+    /// Take options from a file (TOML): their names without dashes before, e.g. f-number = 1.4, tilt = 6, coc = true, lists for
+    /// several values; in a table [COMMAND] for one command only. What is typed comes first.
+    #[arg(long, global = true, value_name = "FILE.toml")]
+    config: Option<std::path::PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -31,14 +40,11 @@ enum Command {
     Render(command::render::Options),
     /// Join parts of a render.
     Merge(command::merge::Options),
-    /// Put a tilt-shift lens onto an RGB-D picture of any renderer.
     Filter(Box<command::filter::Options>),
     /// Say how far pictures are from a reference, and where.
     Compare(command::compare::Options),
-    /// Say what a picture file holds, and what would be taken as its colour and depth.
     Info(command::info::Options),
-    /// Say what a lens setting means: plane of focus, hinge, depth of field.
-    Lens(command::lens::Options),
+    Lens(Box<command::lens::Options>),
     /// Filter a shot of a scene, and trace the pixels that the filter predicts to get wrong.
     Hybrid(command::hybrid::Options),
     /// Run every method on a shot of a scene, and chart time against error.
@@ -51,19 +57,29 @@ enum Command {
     Advise(command::advise::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
     Demo(command::demo::Options),
+    Completions(command::completions::Options),
+    Man(command::man::Options),
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
     hush_the_decoder();
     console::listen_for_interrupts();
-    match run(cli.command) {
+    match parsed().map_err(Failure::from).and_then(|cli| run(cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             console::say(format_args!("tiltshift: {failure}"));
             failure.exit_code()
         }
     }
+}
+
+/// What was typed, with what a --config file adds. Where that makes no sense clap says why, and ends the program.
+fn parsed() -> anyhow::Result<Cli> {
+    let mut command = Cli::command();
+    command.build();
+    let line = config::with_config(&command, std::env::args_os().collect())?;
+    let matches = Cli::command().get_matches_from(line);
+    Ok(Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()))
 }
 
 /// Keeps quiet about panics of the decoder of EXR files: the reader catches them, and says in a sentence what they mean.
@@ -90,6 +106,8 @@ fn run(command: Command) -> Outcome {
         Command::Causes(options) => command::causes::run(&options),
         Command::Advise(options) => command::advise::run(&options),
         Command::Demo(options) => command::demo::run(&options),
+        Command::Completions(options) => command::completions::run(&options, &mut Cli::command()),
+        Command::Man(options) => command::man::run(&options, &Cli::command()),
     };
     // Whatever error an interrupted stage came up with, it was the interruption
     match outcome {

@@ -48,6 +48,24 @@ impl FromStr for Pair {
     }
 }
 
+/// Two distances in metres, `0.5,10`, which may be infinite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ends(pub(crate) [f32; 2]);
+
+impl FromStr for Ends {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let (a, b) = halves(text, ',')?;
+        let distance = |part: &str| match part.parse::<f32>() {
+            Ok(distance) if distance >= 0.0 => Ok(distance),
+            _ => bail!("{part:?} is no distance: a number that is 0 or more, or inf"),
+        };
+        let ends = [distance(a)?, distance(b)?];
+        if ends[0] == ends[1] { bail!("black and white stand for the same distance") } else { Ok(Self(ends)) }
+    }
+}
+
 /// Width and height in pixels, `1280x720`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Size {

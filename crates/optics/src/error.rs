@@ -76,6 +76,11 @@ pub enum OpticsError {
     /// Three picked pixels lie on one line, so that many planes pass through them.
     #[error("the three picked pixels lie on one line and determine no plane of focus; move one of them off that line")]
     CollinearPixels,
+    /// Two picked pixels at one height, which tell nothing of the tilt.
+    #[error(
+        "the two picked pixels are at the same height, where tilt makes no difference; take one higher up, or a third"
+    )]
+    SameHeight,
 }
 
 /// `value` if it is finite and `accept`s it, else an error that says what it should be.

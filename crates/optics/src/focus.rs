@@ -64,6 +64,24 @@ impl Focus {
         Self::new(slope.extend(z0.recip() - slope.dot(q0)))
     }
 
+    /// The plane through two pixels at their depths (`+inf` for the sky) that a lens without swing can hold sharp: w_x = 0.
+    ///
+    /// Fails with [`OpticsError::SameHeight`] where the pixels are level, within 1e-9 of their distance from each other.
+    pub fn through_two_pixels(picks: [(DVec2, f64); 2]) -> Result<Self, OpticsError> {
+        const LEVEL: f64 = 1e-9;
+        for (_, depth) in picks {
+            positive_depth("depth of a picked pixel", depth)?;
+        }
+        let [(q0, z0), (q1, z1)] = picks;
+        let rise = q1.y - q0.y;
+        in_range("direction of a picked pixel", rise, "finite", |_| true)?;
+        if rise.abs() <= LEVEL * (q1 - q0).length() {
+            return Err(OpticsError::SameHeight);
+        }
+        let slope = (z1.recip() - z0.recip()) / rise;
+        Self::new(DVec3::new(0.0, slope, z0.recip() - slope * q0.y))
+    }
+
     /// A w that is finite by construction.
     pub(crate) fn from_finite(w: DVec3) -> Self {
         debug_assert!(w.is_finite());

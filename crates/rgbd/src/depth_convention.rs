@@ -78,7 +78,7 @@ impl<'a> DepthReading<'a> {
 }
 
 /// Cosine of the angle between the pixel's chief ray and the sensor's normal; 1 without a film.
-fn cosine(film: Option<(&Film, PixelWindow)>, x: i32, y: i32) -> f32 {
+pub(crate) fn cosine(film: Option<(&Film, PixelWindow)>, x: i32, y: i32) -> f32 {
     film.map_or(1.0, |(film, display)| {
         let corner = glam::DVec2::new(f64::from(display.x), f64::from(display.y));
         let centre = glam::DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) - corner;

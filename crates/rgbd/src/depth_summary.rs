@@ -1,6 +1,6 @@
 //! What there is in a depth channel, in a few numbers.
 
-use crate::Layer;
+use crate::{Layer, Plane};
 
 /// How near and how far, and how much of it is sky or not known.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -61,6 +61,12 @@ impl DepthSummary {
             }
         }
         Self { background: background.value(), hole: hole.value(), ..summary }
+    }
+
+    /// Of planar depths, NaN where they are not known.
+    #[must_use]
+    pub fn of_depths(depths: &Plane) -> Self {
+        Self { background: None, hole: None, ..Self::of(depths.values().iter().map(|&z| (z, z))) }
     }
 
     /// Of a layer, whose stored numbers are not there any more.

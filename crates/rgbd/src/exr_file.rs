@@ -158,7 +158,9 @@ pub(crate) fn refusal(path: &Path, error: exr::error::Error) -> ReadError {
         exr::error::Error::Invalid(what) => {
             let reason = match what.as_ref() {
                 "reference to missing bytes" => "it ends too early".to_owned(),
-                "file identifier missing" => "it does not start like one".to_owned(),
+                "file identifier missing" => {
+                    "it does not start like one, nor like PNG, JPEG, TIFF, Radiance HDR or PFM".to_owned()
+                }
                 what => format!("invalid {what}"),
             };
             ReadError::Damaged { path: path.into(), reason }

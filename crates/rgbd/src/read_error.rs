@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::FrameError;
+use crate::{FrameError, PhotoFormat};
 
 /// Why a file was not read, and what would do.
 #[derive(Debug, Error)]
@@ -24,6 +24,16 @@ pub enum ReadError {
     Damaged {
         /// The file.
         path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Not a whole picture of its format.
+    #[error("\"{}\" starts like a {format} picture but is none that can be read: {reason}; write or copy it anew", path.display())]
+    Undecodable {
+        /// The file.
+        path: PathBuf,
+        /// What it starts like.
+        format: PhotoFormat,
         /// What is wrong with it.
         reason: String,
     },

@@ -1,13 +1,14 @@
 //! `tiltshift info`: what a picture file holds, and what would be made of it.
 
 mod json;
+mod photo;
 mod words;
 
 use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use rgbd::inspect;
+use rgbd::{PhotoFormat, inspect};
 
 use self::words::Words;
 use crate::console;
@@ -21,7 +22,7 @@ use crate::read_arguments::ReadArguments;
 /// code 2.
 #[derive(Debug, Args)]
 pub(crate) struct Options {
-    /// Picture: OpenEXR of any program.
+    /// Picture: OpenEXR of any program, or a photo or depth map (PNG, JPEG, TIFF, Radiance HDR, PFM).
     file: PathBuf,
     /// Write JSON instead of words: numbers that JSON does not have are the strings "inf", "-inf" and "nan".
     #[arg(long)]
@@ -32,6 +33,9 @@ pub(crate) struct Options {
 
 /// Says what there is.
 pub(crate) fn run(options: &Options) -> Outcome {
+    if let Some(format) = PhotoFormat::of_file(&options.file)? {
+        return photo::run(options, format);
+    }
     let inspection = inspect(&options.file, &options.read.options(None, None))?;
     if options.json {
         let report = json::report(&options.file, &inspection);

@@ -11,9 +11,11 @@ use glam::DVec2;
 use optics::{OpticsError, Pose};
 
 use self::report::{Asked, Report};
-use crate::console;
+use crate::console::{self, say};
 use crate::failure::Outcome;
+use crate::focus_wish::Seen;
 use crate::lens_options::{Chosen, FilmOptions, LensOptions, positive_mm};
+use crate::presets::{LENSES, SENSORS, Table};
 use crate::values::{Pixel, Size};
 
 /// What was typed.
@@ -31,11 +33,11 @@ pub(crate) struct Options {
     #[command(flatten)]
     lens: LensOptions,
     /// Focus by the image distance in mm: from the lens to the sensor, along the sensor's normal.
-    #[arg(long, value_name = "MM", group = "focus", help_heading = "Lens")]
+    #[arg(long, value_name = "MM", group = "focus", help_heading = "Focus")]
     image_distance: Option<f64>,
     /// Focus on a depth seen at a pixel: column, row (from the top left), depth in metres (`inf` for the sky). Given
-    /// three times it lays the plane of focus through the three points; tilt and swing follow.
-    #[arg(long, value_name = "X,Y,M", group = "focus", allow_hyphen_values = true, help_heading = "Lens")]
+    /// two or three times it lays the plane of focus through the points; the tilt follows, and with three the swing too.
+    #[arg(long, value_name = "X,Y,M", group = "focus", allow_hyphen_values = true, help_heading = "Focus")]
     point: Vec<Point>,
 
     /// Size of the picture in pixels.
@@ -47,6 +49,9 @@ pub(crate) struct Options {
     /// Depth of the nearest thing in the picture in metres; half the nearest sharp depth without.
     #[arg(long, value_name = "M", help_heading = "What to say")]
     nearest: Option<f64>,
+    /// List the lenses of --lens-preset and the sensors of --sensor, and nothing else.
+    #[arg(long, help_heading = "What to say")]
+    list_presets: bool,
     /// Write JSON instead of words: units are in the names, infinity is the string "inf", and what does not exist is null
     /// (a hinge without tilt, a sharp depth behind the camera).
     #[arg(long, help_heading = "What to say")]
@@ -76,7 +81,7 @@ impl FromStr for Point {
 /// Options as they are meant where there is no picture to look at.
 fn without_a_picture(arg: clap::Arg) -> clap::Arg {
     let arg = match arg.get_id().as_str() {
-        "focus_pixel" | "focus_points" | "metres_per_unit" => arg.hide(true),
+        "focus_pixel" | "focus_points" | "focus_band" | "focus_wish" | "metres_per_unit" => arg.hide(true),
         _ => arg,
     };
     match arg.get_help_heading() {
@@ -87,10 +92,18 @@ fn without_a_picture(arg: clap::Arg) -> clap::Arg {
 
 /// Says what the setting means.
 pub(crate) fn run(options: &Options) -> Outcome {
+    if options.list_presets {
+        list_presets(options.json)?;
+        return Ok(());
+    }
+    let options = &options.settled()?;
     options.check()?;
     let film = options.film.film(options.size.width, options.size.height, 1.0)?;
     let film = film.ok_or_else(|| anyhow!("the field of view is not known; give --sensor-width or --fov"))?;
     let chosen = options.chosen(film).map_err(with_unit)?;
+    for limit in options.lens.lens_preset.iter().flat_map(|preset| preset.beyond(&chosen.lens)) {
+        say(format_args!("warning: {limit}"));
+    }
     let shift = options.film.shift.map_or(DVec2::ZERO, |shift| DVec2::new(shift.0, shift.1));
     let asked = Asked {
         shift_mm: shift,
@@ -107,15 +120,58 @@ pub(crate) fn run(options: &Options) -> Outcome {
     Ok(())
 }
 
+/// Writes the table of lenses and sensors.
+fn list_presets(json: bool) -> anyhow::Result<()> {
+    if json {
+        let lists = serde_json::json!({ "lenses": LENSES, "sensors": SENSORS });
+        console::print(serde_json::to_string_pretty(&lists).context("the list makes no JSON")?);
+    } else {
+        console::print(Table);
+    }
+    Ok(())
+}
+
+/// The depths of the points that were typed.
+struct Typed<'a>(&'a [Point]);
+
+impl Seen for Typed<'_> {
+    fn depth_at(&self, pixel: Pixel) -> anyhow::Result<f64> {
+        let point = self.0.iter().find(|point| point.pixel == pixel);
+        point.map(|point| point.depth).ok_or_else(|| anyhow!("no depth is known at pixel {pixel}"))
+    }
+
+    fn row(&self, _: i32) -> Option<Vec<(Pixel, f64)>> {
+        None
+    }
+
+    fn say(&self, line: std::fmt::Arguments<'_>) {
+        say(line);
+    }
+}
+
 impl Options {
+    /// The same with names of lens and sensor as numbers.
+    fn settled(&self) -> anyhow::Result<Self> {
+        let film = self.film.settled(&self.lens, self.size.width, self.size.height, 1.0)?;
+        let mut lens = self.lens.clone();
+        if lens.aperture_radius.is_none() {
+            lens.f_number = lens.f_number.or(lens.lens_preset.map(|preset| preset.widest_f_number));
+        }
+        Ok(Self { film, lens, point: self.point.clone(), ..*self })
+    }
+
     /// Finds in one go what is missing or cannot be, in the words of the options.
     fn check(&self) -> anyhow::Result<()> {
         let (film, lens) = (&self.film, &self.lens);
         if film.metres_per_unit.is_some() {
             bail!("distances are in metres here; leave out --metres-per-unit");
         }
-        if lens.focus_pixel.is_some() || lens.focus_points.is_some() {
-            bail!("there is no picture here to take a depth from; name it with --point X,Y,M, once or three times");
+        if lens.focus_pixel.is_some()
+            || lens.focus_points.is_some()
+            || lens.focus_band.is_some()
+            || lens.focus.is_some()
+        {
+            bail!("there is no picture here to take a depth from; name it with --point X,Y,M, up to three times");
         }
 
         // Name all that is missing
@@ -124,8 +180,8 @@ impl Options {
             || self.image_distance.is_some()
             || !self.point.is_empty();
         let needs = [
-            (film.focal_length_mm().is_some(), "--focal-length (or --fov with --sensor-width)"),
-            (film.sensor_width.or(film.fov).is_some(), "--sensor-width (36 for full frame) or --fov"),
+            (film.focal_length_mm().is_some(), "--focal-length (or --lens-preset, or --fov with --sensor-width)"),
+            (film.sensor_width.or(film.fov).is_some(), "--sensor-width (36 for full frame), --sensor or --fov"),
             (lens.f_number.or(lens.aperture_radius).is_some(), "--f-number or --aperture-radius"),
             (has_focus, "a focus (--focus-distance, --image-distance, --point or --focus-plane)"),
         ];
@@ -146,14 +202,16 @@ impl Options {
     /// One point or three, inside the picture, and no tilt beside three.
     fn check_points(&self) -> anyhow::Result<()> {
         let (lens, Size { width, height }) = (&self.lens, self.size);
-        if !matches!(self.point.len(), 0 | 1 | 3) {
+        if self.point.len() > 3 {
             bail!(
-                "--point is given {} times; give it once (focus there) or three times (the plane of focus through them)",
+                "--point is given {} times; give it once (focus there), twice or three times (the plane of focus through them)",
                 self.point.len()
             );
         }
-        if self.point.len() == 3 && [lens.tilt, lens.swing, lens.hinge_distance].iter().any(Option::is_some) {
-            bail!("three points fix tilt and swing; leave out --tilt, --swing and --hinge-distance, or give one point");
+        if self.point.len() > 1 && [lens.tilt, lens.swing, lens.hinge_distance].iter().any(Option::is_some) {
+            bail!(
+                "two or three points fix tilt and swing; leave out --tilt, --swing and --hinge-distance, or give one point"
+            );
         }
         for Point { pixel, .. } in &self.point {
             let is_inside = |at: i32, size: u32| u32::try_from(at).is_ok_and(|at| at < size);
@@ -173,17 +231,14 @@ impl Options {
             [point] => lens.focus_pixel = Some(point.pixel),
             points => lens.focus_points = Some(points.iter().map(|point| point.pixel).collect()),
         }
-        let depth_at = |pixel: Pixel| {
-            let point = self.point.iter().find(|point| point.pixel == pixel);
-            point.map(|point| point.depth).ok_or_else(|| anyhow!("no depth is known at pixel {pixel}"))
-        };
+        let seen = &Typed(&self.point);
 
         // Where the image distance is given, any focus will do until it is set
         let Some(image_distance) = self.image_distance else {
-            return lens.camera(Pose::IDENTITY, film, self.film.focal_length_mm(), 1.0, depth_at);
+            return lens.camera(Pose::IDENTITY, film, self.film.focal_length_mm(), 1.0, seen);
         };
         lens.focus_distance = Some(f64::INFINITY);
-        let chosen = lens.camera(Pose::IDENTITY, film, self.film.focal_length_mm(), 1.0, depth_at)?;
+        let chosen = lens.camera(Pose::IDENTITY, film, self.film.focal_length_mm(), 1.0, seen)?;
         let lens = chosen.lens.with_image_distance(image_distance * 1e-3)?;
         Ok(Chosen { camera: lens.camera(Pose::IDENTITY, film, chosen.camera.iris)?, lens })
     }
@@ -191,6 +246,7 @@ impl Options {
     /// What tilt and swing were found from, where they were not typed.
     fn tilt_follows_from(&self) -> Option<&'static str> {
         let wishes = [
+            (self.point.len() == 2, "two points"),
             (self.point.len() == 3, "three points"),
             (self.lens.focus_plane.is_some(), "plane of focus"),
             (self.lens.hinge_distance.is_some(), "hinge distance"),
