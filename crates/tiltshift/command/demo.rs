@@ -12,7 +12,7 @@ use trace::{Scene, SceneFile, Shot};
 
 use crate::command::compare::{print_table, write_report};
 use crate::command::filter::sensor_mm;
-use crate::command::render::{Quality, lens_in_metres, say_layers};
+use crate::command::render::{Quality, lens_in_metres, say_layers, say_scene};
 use crate::console::{Bar, say};
 use crate::failure::Outcome;
 use crate::files::{Packing, command_line, make_folder, notes, write_options};
@@ -24,7 +24,7 @@ pub(crate) struct Options {
     /// Scene.
     #[arg(long, value_enum, default_value_t)]
     scene: SceneName,
-    /// Shot of the scene: miniature, or tilt_swing_shift of the simple one, without; `tiltshift render
+    /// Shot of the scene; one that shows what it is for without (miniature, tilt_swing_shift, blur, fence); `tiltshift render
     /// data/scenes/SCENE.toml --list` lists them.
     #[arg(long, value_name = "NAME")]
     shot: Option<String>,
@@ -42,13 +42,21 @@ enum SceneName {
     /// A village with roads and trees.
     #[default]
     Landscape,
+    /// A town of several hundred houses from a hill.
+    Town,
+    /// Glossy and glass things on a table, small lamps far behind.
+    Tabletop,
+    /// Leaves, a fence and wires before fine detail.
+    Thicket,
 }
 
 impl SceneName {
     fn default_shot(self) -> &'static str {
         match self {
             Self::Simple => "tilt_swing_shift",
-            Self::Landscape => "miniature",
+            Self::Landscape | Self::Town => "miniature",
+            Self::Tabletop => "blur",
+            Self::Thicket => "fence",
         }
     }
 
@@ -57,6 +65,9 @@ impl SceneName {
         let (text, path) = match self {
             Self::Simple => (include_str!("../../../data/scenes/simple.toml"), "data/scenes/simple.toml"),
             Self::Landscape => (include_str!("../../../data/scenes/landscape.toml"), "data/scenes/landscape.toml"),
+            Self::Town => (include_str!("../../../data/scenes/town.toml"), "data/scenes/town.toml"),
+            Self::Tabletop => (include_str!("../../../data/scenes/tabletop.toml"), "data/scenes/tabletop.toml"),
+            Self::Thicket => (include_str!("../../../data/scenes/thicket.toml"), "data/scenes/thicket.toml"),
         };
         Ok(SceneFile::parse(text, Path::new(path))?)
     }
@@ -77,6 +88,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let shot = file.shot(Some(name))?;
     let camera = options.quality.camera(shot)?;
     say(format_args!("{} / {name}: {}", file.description(), shot.description));
+    say_scene(&file);
     make_folder(&options.out)?;
 
     // Trace the truth and what the filter gets

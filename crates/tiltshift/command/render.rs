@@ -2,14 +2,15 @@
 
 mod long;
 mod quality;
+mod view;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use clap::Args;
 use optics::ThinLens;
-use rgbd::{write_frame, write_png, write_truth};
-use trace::{LayeredFrame, Scene, SceneFile, Shot};
+use rgbd::{Head, write_frame, write_picture_with, write_png, write_truth};
+use trace::{LayeredFrame, Scene, SceneFile, Shot, Wishes};
 
 use crate::command::filter::sensor_mm;
 use crate::command::render::long::Long;
@@ -17,6 +18,7 @@ pub(crate) use crate::command::render::quality::Quality;
 use crate::console::{print, say};
 use crate::failure::Outcome;
 use crate::files::{Packing, expect_exr, make_folder_of, notes, numbered, refuse_overwriting, write_options};
+use crate::lens_options::{FilmOptions, LensOptions};
 use crate::values::{Frames, stops};
 
 /// Trace a scene through a tilted lens.
@@ -26,11 +28,19 @@ use crate::values::{Frames, stops};
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(crate) struct Options {
-    /// Scene file (TOML).
+    /// Scene file (TOML), or a model (glTF, GLB, OBJ): seen by its own camera, or from the right, above and in front;
+    /// under its own lights, or sun and sky.
     scene: PathBuf,
     /// Shot to take; the file's own camera without.
     #[arg(long, value_name = "NAME")]
     shot: Option<String>,
+    /// Camera of a model, counted from 0: the same as `--shot cameraN`.
+    #[arg(long, value_name = "N", conflicts_with = "shot")]
+    camera: Option<usize>,
+    /// How often light goes from surface to surface, instead of what the scene needs (0: none, and what is glossy or glass
+    /// looks matte).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
+    bounces: Option<u32>,
     /// List the shots of the scene and stop.
     #[arg(long)]
     list: bool,
@@ -44,6 +54,10 @@ pub(crate) struct Options {
     /// Where to write the RGB-D frame; `out/SCENE_SHOT_rgbd.exr` without.
     #[arg(long, value_name = "FILE.exr")]
     rgbd: Option<PathBuf>,
+    /// Also write the pinhole picture with two depths: `Z`, that of the first surface, and `optical.Z`, that of the images that
+    /// mirrors and glass show (`filter --depth optical.Z` goes by it).
+    #[arg(long, value_name = "FILE.exr")]
+    optical_depth: Option<PathBuf>,
     /// Also write the truth as 8-bit sRGB PNG.
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
@@ -57,6 +71,10 @@ pub(crate) struct Options {
     quality: Quality,
     #[command(flatten)]
     long: Long,
+    #[command(flatten)]
+    film: FilmOptions,
+    #[command(flatten)]
+    lens: LensOptions,
 }
 
 /// The files of one picture.
@@ -64,15 +82,19 @@ struct Outputs {
     truth: PathBuf,
     rgbd: PathBuf,
     png: Option<PathBuf>,
+    optical_depth: Option<PathBuf>,
 }
 
 pub(crate) fn run(options: &Options) -> Outcome {
-    let file = SceneFile::open(&options.scene)?;
+    let wishes = Wishes { bounces: options.bounces, metres_per_unit: options.film.metres_per_unit };
+    let file = SceneFile::open_with(&options.scene, &wishes)?;
     if options.list {
         list(&file);
         return Ok(());
     }
-    let name = options.shot.as_deref();
+    say_scene(&file);
+    let name = options.shot();
+    let name = name.as_deref();
     let moving = name.and_then(|name| file.frames(name));
     let (Some(Frames([first, last])), Some(name)) = (options.frames, name) else {
         if options.frames.is_some() {
@@ -100,10 +122,15 @@ pub(crate) fn run(options: &Options) -> Outcome {
 }
 
 impl Options {
+    /// The shot that was named.
+    fn shot(&self) -> Option<String> {
+        self.camera.map_or_else(|| self.shot.clone(), |number| Some(format!("camera{number}")))
+    }
+
     /// What is written where, of a still picture or of a frame: named after scene and shot unless the user named it.
     fn outputs(&self, frame: Option<i64>) -> Outputs {
         let scene = self.scene.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-        let name = [Some(scene), self.shot.clone()].into_iter().flatten().collect::<Vec<_>>().join("_");
+        let name = [Some(scene), self.shot()].into_iter().flatten().collect::<Vec<_>>().join("_");
         let name = name.replace(['/', '\\'], "_");
         let name_of_part = self.long.name_of_part();
         let ending = if self.long.is_part() { "part.exr" } else { "exr" };
@@ -113,17 +140,29 @@ impl Options {
             Some(frame) => numbered(&path, frame),
             None => path,
         };
-        Outputs { truth: of_frame(truth), rgbd: of_frame(rgbd), png: self.png.clone().map(of_frame) }
+        Outputs {
+            truth: of_frame(truth),
+            rgbd: of_frame(rgbd),
+            png: self.png.clone().map(of_frame),
+            optical_depth: self.optical_depth.clone().map(of_frame),
+        }
     }
 }
 
 /// Renders one picture.
 fn take(options: &Options, file: &SceneFile, shot: &Shot, outputs: &Outputs) -> Outcome {
+    let is_model = !options.scene.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    let seen = view::seen(shot, file.scene(), &options.film, &options.lens, options.quality.size, is_model)?;
+    let shot = &seen;
     let camera = options.quality.camera(shot)?;
     expect_exr(&outputs.truth)?;
     expect_exr(&outputs.rgbd)?;
-    let paths = [Some(outputs.truth.as_path()), Some(outputs.rgbd.as_path()), outputs.png.as_deref()];
-    let paths: Vec<&Path> = paths.into_iter().flatten().collect();
+    if let Some(path) = &outputs.optical_depth {
+        expect_exr(path)?;
+    }
+    let own = [Some(outputs.truth.as_path()), Some(outputs.rgbd.as_path())];
+    let paths = own.into_iter().chain([outputs.png.as_deref(), outputs.optical_depth.as_deref()]);
+    let paths: Vec<&Path> = paths.flatten().collect();
     refuse_overwriting(&[&options.scene], &paths)?;
     for path in paths {
         make_folder_of(path)?;
@@ -152,6 +191,14 @@ fn take(options: &Options, file: &SceneFile, shot: &Shot, outputs: &Outputs) -> 
     say_layers(&layered);
     write_frame(&outputs.rgbd, &layered.frame, &write)?;
     say(format_args!("wrote {}", outputs.rgbd.display()));
+    if let Some(path) = &outputs.optical_depth {
+        let frame = &layered.frame;
+        let first = &frame.layers()[0];
+        let optical = trace::optical_depth(file.scene(), &camera, frame.data());
+        let planes = [("Z", &first.depth), ("optical.Z", &optical)];
+        write_picture_with(path, &first.color, &planes, &Head::from(frame), &write)?;
+        say(format_args!("wrote {}", path.display()));
+    }
     Ok(())
 }
 
@@ -159,6 +206,20 @@ fn take(options: &Options, file: &SceneFile, shot: &Shot, outputs: &Outputs) -> 
 pub(crate) fn lens_in_metres(shot: &Shot, scene: &Scene) -> anyhow::Result<Option<ThinLens>> {
     let (Some(lens), Some(metres)) = (shot.lens, scene.metres_per_unit()) else { return Ok(None) };
     Ok(Some(lens.scaled(metres).context("metres_per_unit of the scene")?))
+}
+
+/// Says what was wrong with the scene's files, and what of it takes more than the base shading.
+pub(crate) fn say_scene(file: &SceneFile) {
+    for warning in file.warnings() {
+        say(format_args!("warning: {warning}"));
+    }
+    let (scene, needs) = (file.scene(), file.scene().needs().join(", "));
+    match scene.bounces() {
+        0 if needs.is_empty() => {}
+        0 => say(format_args!("rays traced one by one, without bounces: {needs}")),
+        1 => say(format_args!("path tracing to 1 bounce: {needs}")),
+        bounces => say(format_args!("path tracing to {bounces} bounces: {needs}")),
+    }
 }
 
 /// Says what the RGB-D frame holds.

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::SceneError;
 
-/// A light of the base shading.
+/// A light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
     /// Reaches everything equally: adds `Kd x strength`.
@@ -19,6 +19,46 @@ pub enum Light {
         /// Strength per channel.
         strength: Vec3,
     },
+    /// Light from one point, with hard shadows: adds `Kd x strength x max(0, n . l) / distance^2`, in a cone or all around.
+    Point {
+        /// Where it stands, world space.
+        at: DVec3,
+        /// Strength per channel at distance 1.
+        strength: Vec3,
+        /// Where it shines, if not everywhere.
+        cone: Option<Cone>,
+    },
+}
+
+/// The cone of a spotlight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    /// Unit vector from the light along its axis.
+    axis: DVec3,
+    /// Cosines of the angles from the axis up to which it shines fully, and from which on not at all.
+    cosines: [f64; 2],
+}
+
+impl Cone {
+    /// A cone around `axis` (of any length but 0) that shines fully within the angle `inner` and not beyond `outer` (radians,
+    /// 0 <= inner <= outer <= pi).
+    pub fn new(axis: DVec3, inner: f64, outer: f64) -> Result<Self, SceneError> {
+        let wanted = "a finite vector, not 0";
+        let value = axis.length();
+        let axis = axis.try_normalize().ok_or(SceneError::OutOfRange { what: "axis of a light", value, wanted })?;
+        if !(0.0 <= inner && inner <= outer && outer <= std::f64::consts::PI) {
+            let wanted = "0 <= inner <= outer <= 180 degrees";
+            return Err(SceneError::OutOfRange { what: "inner angle of a light's cone", value: inner, wanted });
+        }
+        Ok(Self { axis, cosines: [inner.cos(), outer.cos()] })
+    }
+
+    /// Share of the strength in a unit direction away from the light (KHR_lights_punctual).
+    pub(crate) fn share(&self, direction: DVec3) -> f64 {
+        let [inner, outer] = self.cosines;
+        let share = ((self.axis.dot(direction) - outer) / (inner - outer).max(1e-4)).clamp(0.0, 1.0);
+        share * share
+    }
 }
 
 impl Light {
@@ -34,7 +74,7 @@ impl Light {
     /// Its strength per channel.
     pub(crate) fn strength(&self) -> Vec3 {
         match *self {
-            Self::Ambient { strength } | Self::Sun { strength, .. } => strength,
+            Self::Ambient { strength } | Self::Sun { strength, .. } | Self::Point { strength, .. } => strength,
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::packet::{Packet, RAYS};
 use crate::sampler::{MAX_ATTEMPTS, MAX_SAMPLES, Sample, Sampler, eight_samples};
 use crate::shade::Shader;
 use crate::triangle::Axes;
-use crate::{Goal, Job, Pixels, Ray, RenderError, Scene};
+use crate::{Goal, Job, Pixels, Ray, RenderError, Scene, transport};
 
 /// Pixels that one thread takes at a time.
 const CHUNK: usize = 64;
@@ -72,6 +72,14 @@ impl Accumulation {
             if !sums.iter().enumerate().all(is_complete) {
                 if progress.is_cancelled() {
                     return Err(Cancelled);
+                }
+                if let Some(transport) = &scene.transport {
+                    for (i, sums) in sums.iter_mut().enumerate() {
+                        let (place, wanted) = of_pixel(i);
+                        transport::gather(scene, transport, &camera, place, sums, &wanted, seed);
+                    }
+                    progress.report(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                    return Ok(());
                 }
                 dispatch!(scene.geometry.level(), simd => {
                     let mut gather = Gather::new(scene, sums);

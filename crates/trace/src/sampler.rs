@@ -39,6 +39,11 @@ impl Sampler {
         Self { scramble: (mixed >> 32) as u32 }
     }
 
+    /// What tells this sequence from all others.
+    pub(crate) fn scramble(&self) -> u32 {
+        self.scramble
+    }
+
     /// Sample `index`, below [`MAX_SAMPLES`].
     #[inline]
     pub(crate) fn sample(&self, index: u32) -> Sample {

@@ -34,7 +34,7 @@ pub(crate) struct Quality {
     overscan: Option<u32>,
     /// Size of the picture in pixels; the shot's own without.
     #[arg(long, value_name = "WxH")]
-    size: Option<Size>,
+    pub(crate) size: Option<Size>,
     /// Seed of the samples.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,

@@ -2,14 +2,22 @@
 
 mod animation;
 mod error;
+mod gltf_access;
+mod gltf_material;
 mod gltf_mesh;
+mod looks;
 mod mesh;
+mod model;
+mod model_view;
 mod obj_mesh;
+mod objects;
+mod resources;
+mod scatter;
 mod scene_file;
 mod shot;
 mod spec;
 mod triple;
 
 pub use error::FileError;
-pub use scene_file::SceneFile;
+pub use scene_file::{SceneFile, Wishes};
 pub use shot::Shot;

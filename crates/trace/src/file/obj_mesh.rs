@@ -2,45 +2,114 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec4};
 
 use super::mesh::Mesh;
-use crate::{Material, Pigment};
+use super::model::Model;
+use super::resources::Resources;
+use crate::{Alpha, Encoding, Finish, Material, Pigment, TextureMap};
 
-/// Reads triangles, and Kd and Ke of their materials; polygons are cut into fans. Textures are not read: their
-/// surfaces take the plain colour.
-pub(super) fn read(path: &Path) -> Result<Mesh, String> {
+/// Reads triangles (polygons are cut into fans) with normals, coordinates and colours, and of their materials Kd, Ke, d and
+/// map_Kd.
+pub(super) fn read(path: &Path) -> Result<Model, String> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
     let (models, materials) = tobj::load_obj(path, &options).map_err(|error| error.to_string())?;
     let materials = materials.map_err(|error| format!("its material library: {error}"))?;
-    let mut mesh = Mesh { materials: materials.iter().map(material).collect(), ..Mesh::default() };
+    let mut resources = Resources::beside(path);
+    let mut mesh = Mesh::default();
+    for source in &materials {
+        let (material, finish) = material(source, &mut resources);
+        mesh.add_finished(material, finish);
+    }
     let mut plain = None;
     for model in models {
+        let source = model.mesh;
         let first = u32::try_from(mesh.vertices.len()).map_err(|_| "too many vertices".to_owned())?;
-        let material = match model.mesh.material_id {
+        let material = match source.material_id {
             Some(id) => id as u32,
             None => *plain.get_or_insert_with(|| mesh.add_default_material()),
         };
-        mesh.vertices.extend(model.mesh.positions.as_chunks::<3>().0.iter().map(|&p| Vec3::from_array(p).as_dvec3()));
-        for &corners in model.mesh.indices.as_chunks::<3>().0 {
-            mesh.triangles.push(corners.map(|i| first.saturating_add(i)));
-            mesh.material_of.push(material);
-        }
+        mesh.vertices.extend(source.positions.as_chunks::<3>().0.iter().map(|&p| Vec3::from_array(p).as_dvec3()));
+        mesh.add_corners(&source, first, material);
     }
-    Ok(mesh)
+    mesh.warnings = resources.warnings;
+    Ok(Model { mesh, ..Model::default() })
 }
 
-fn material(source: &tobj::Material) -> Material {
-    Material {
+impl Mesh {
+    /// Adds the triangles of a part, whose corners have indices of their own for each thing that is said of them.
+    fn add_corners(&mut self, source: &tobj::Mesh, first: u32, material: u32) {
+        let normals = source.normals.as_chunks::<3>().0;
+        let uvs = source.texcoords.as_chunks::<2>().0;
+        let colors = source.vertex_color.as_chunks::<3>().0;
+        let at = |indices: &[u32], corner: usize| indices.get(corner).map(|&i| i as usize);
+        let corners = 0..source.indices.len() / 3 * 3;
+        let normal = |corner: usize| at(&source.normal_indices, corner).and_then(|i| normals.get(i).copied());
+        let uv = |corner: usize| at(&source.texcoord_indices, corner).and_then(|i| uvs.get(i).copied());
+        let color = |corner: usize| at(&source.indices, corner).and_then(|i| colors.get(i).copied());
+        // v counts up from the bottom there
+        let attributes = super::mesh::Attributes {
+            normals: if normals.is_empty() {
+                Vec::new()
+            } else {
+                corners.clone().map(|corner| normal(corner).map_or(Vec3::ZERO, Vec3::from_array)).collect()
+            },
+            uvs: [
+                if uvs.is_empty() {
+                    Vec::new()
+                } else {
+                    corners
+                        .clone()
+                        .map(|corner| uv(corner).map_or(Vec2::ZERO, |[u, v]| Vec2::new(u, 1.0 - v)))
+                        .collect()
+                },
+                Vec::new(),
+            ],
+            colors: if colors.is_empty() {
+                Vec::new()
+            } else {
+                corners
+                    .clone()
+                    .map(|corner| color(corner).map_or(Vec4::ONE, |c| Vec3::from_array(c).extend(1.0)))
+                    .collect()
+            },
+        };
+        // Number the corners for that, then name the vertices
+        let before = self.triangles.len();
+        let numbers = (0..corners.end as u32).step_by(3).map(|i| [i, i + 1, i + 2]);
+        self.add_triangles(numbers, 0, material, &attributes);
+        let triangles = self.triangles[before..].iter_mut();
+        for (triangle, corners) in triangles.zip(source.indices.as_chunks::<3>().0) {
+            *triangle = corners.map(|i| first.saturating_add(i));
+        }
+    }
+}
+
+fn material(source: &tobj::Material, resources: &mut Resources) -> (Material, Finish) {
+    let material = Material {
         pigment: Pigment::Constant(source.diffuse.map_or(Vec3::splat(0.8), Vec3::from_array)),
         emission: source.emissive.map_or(Vec3::ZERO, Vec3::from_array),
+    };
+    let mut finish = Finish { name: source.name.clone(), ..Finish::default() };
+    finish.is_light = material.emission != Vec3::ZERO;
+    if let Some(opacity) = source.dissolve.filter(|opacity| (0.0..1.0).contains(opacity)) {
+        (finish.alpha, finish.opacity) = (Alpha::Blend, opacity);
     }
+    if let Some(name) = &source.diffuse_texture {
+        // Options come before the file's name
+        let file = name.rsplit(" -").next().filter(|_| name.starts_with('-')).and_then(|rest| rest.rsplit(' ').next());
+        let file = file.unwrap_or(name).trim();
+        let picture = resources.texture(file, Encoding::Color, |own| own.read_uri(file));
+        finish.color_map = picture.map(TextureMap::new);
+    }
+    (material, finish)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Pigment;
 
     #[test]
     fn a_square_with_a_colour_becomes_two_triangles() {
@@ -49,7 +118,7 @@ mod tests {
         std::fs::write(folder.path().join("m.mtl"), "newmtl red\nKd 0.8 0.1 0.2\nKe 1 2 3\n").unwrap();
         let text = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\nf 1 2 3 4\n";
         std::fs::write(&path, text).unwrap();
-        let mesh = read(&path).unwrap();
+        let mesh = read(&path).unwrap().mesh;
         assert_eq!(mesh.triangles.len(), 2);
         assert_eq!(mesh.vertices.len(), 4);
         let material = mesh.materials[mesh.material_of[1] as usize];

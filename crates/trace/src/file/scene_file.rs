@@ -4,17 +4,28 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec3};
+use glam::DVec3;
 use toml::Spanned;
 
 use super::animation::Animation;
 use super::error::{Fault, FileError};
+use super::looks;
 use super::mesh::Mesh;
+use super::model::Model;
+use super::model_view;
+use super::objects::{self, Objects};
 use super::shot::{Shot, ShotTables};
-use super::spec::{
-    AxesSpec, FileSpec, LightSpec, MaterialSpec, MeshSpec, ObjectSpec, PlacementSpec, ShapeSpec, ShotSpec,
-};
-use crate::{Light, Material, MaterialId, Pigment, Scene, SceneBuilder, Shape};
+use super::spec::{FileSpec, MeshSpec, ShotSpec};
+use crate::{Scene, SceneBuilder};
+
+/// What a user wants otherwise than a scene file or model says.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Wishes {
+    /// How often light goes from surface to surface; what the scene needs without.
+    pub bounces: Option<u32>,
+    /// Metres in one unit of a model file; 1 without.
+    pub metres_per_unit: Option<f64>,
+}
 
 /// A scene and its shots, from a TOML file.
 #[derive(Debug, Clone)]
@@ -26,6 +37,7 @@ pub struct SceneFile {
     base: Option<Shot>,
     shots: BTreeMap<String, Shot>,
     animated: BTreeMap<String, Animated>,
+    warnings: Vec<String>,
 }
 
 /// A shot that moves.
@@ -38,16 +50,30 @@ struct Animated {
 
 impl SceneFile {
     /// Reads a file and the meshes it names; every shot is checked.
+    ///
+    /// A glTF or OBJ file is a scene too, under its own lights or a sun and a sky, with a shot `cameraN` for each of its
+    /// perspective cameras; without a name the first of those is taken, or a view of all of it.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        Self::open_with(path, &Wishes::default())
+    }
+
+    /// The same with what a user wants otherwise.
+    pub fn open_with(path: impl AsRef<Path>, wishes: &Wishes) -> Result<Self, FileError> {
         let path = path.as_ref();
+        if Model::is_one(path) {
+            return model_view::open(path, wishes);
+        }
         refuse_special(path).map_err(|source| FileError::Read { path: path.into(), source })?;
         let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
-        Self::parse(&text, path)
+        Self::parse_with(&text, path, wishes)
     }
 
     /// Reads a scene from text; `path` is what errors call it, and meshes are looked for beside it.
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, FileError> {
-        let path = path.as_ref();
+        Self::parse_with(text, path.as_ref(), &Wishes::default())
+    }
+
+    fn parse_with(text: &str, path: &Path, wishes: &Wishes) -> Result<Self, FileError> {
         let spec: FileSpec =
             toml::from_str(text).map_err(|source| FileError::Syntax { path: path.into(), source: Box::new(source) })?;
         if spec.format != 1 {
@@ -82,9 +108,26 @@ impl SceneFile {
             };
             shots.insert(name.clone(), resolved.map_err(|fault| reader.part(&part, &fault))?);
         }
-        let (scene, fingerprint) = reader.scene()?;
+        let (scene, fingerprint, warnings) = reader.scene(wishes)?;
         let description = spec.description.clone();
-        Ok(Self { path: path.into(), description, scene, fingerprint, base, shots, animated })
+        Ok(Self { path: path.into(), description, scene, fingerprint, base, shots, animated, warnings })
+    }
+
+    /// A scene that is no TOML.
+    pub(super) fn of_model(
+        path: &Path,
+        (description, warnings): (String, Vec<String>),
+        (scene, fingerprint): (Scene, u32),
+        base: Option<Shot>,
+        shots: BTreeMap<String, Shot>,
+    ) -> Self {
+        Self { path: path.into(), description, scene, fingerprint, base, shots, animated: BTreeMap::new(), warnings }
+    }
+
+    /// What was wrong with the files but could be lived with, a sentence each.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// What the file says about itself.
@@ -148,25 +191,25 @@ impl Animated {
 }
 
 /// A file's text and what was read from it.
-struct Reader<'a> {
+pub(super) struct Reader<'a> {
     path: &'a Path,
     text: &'a str,
-    spec: &'a FileSpec,
+    pub(super) spec: &'a FileSpec,
 }
 
 impl Reader<'_> {
-    fn part(&self, part: &str, fault: &Fault) -> FileError {
+    pub(super) fn part(&self, part: &str, fault: &Fault) -> FileError {
         FileError::Part { path: self.path.into(), part: part.to_owned(), message: fault.to_string() }
     }
 
-    fn line<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> FileError {
+    pub(super) fn line<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> FileError {
         let before = self.text.get(..at.span().start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
         FileError::Line { path: self.path.into(), line, message: message.into() }
     }
 
     /// What a reference names, or an error that lists what there is.
-    fn find<'m, T>(
+    pub(super) fn find<'m, T>(
         &self,
         kind: &str,
         name: &Spanned<String>,
@@ -201,8 +244,8 @@ impl Reader<'_> {
         Ok((tables, moving.map(|shot| Animation::new(&shot.keys, ease)).transpose()))
     }
 
-    /// The scene and its fingerprint.
-    fn scene(&self) -> Result<(Scene, u32), FileError> {
+    /// The scene, its fingerprint, and what was wrong with its meshes.
+    fn scene(&self, wishes: &Wishes) -> Result<(Scene, u32, Vec<String>), FileError> {
         let mut fingerprint = crc32fast::Hasher::new();
         fingerprint.update(self.what_is_seen().as_bytes());
         let mut builder = SceneBuilder::new();
@@ -214,28 +257,49 @@ impl Reader<'_> {
         }
         builder.shadow_bias(self.spec.shadow_bias).map_err(|error| self.part("shadow_bias", &error.into()))?;
         for (name, light) in &self.spec.lights {
-            let light = self::light(light).map_err(|fault| self.part(&format!("[lights.{name}]"), &fault))?;
+            let light = looks::light(light).map_err(|fault| self.part(&format!("[lights.{name}]"), &fault))?;
             builder.light(light);
         }
         let mut materials = BTreeMap::new();
         for (name, spec) in &self.spec.materials {
-            let material = material(spec).map_err(|fault| self.part(&format!("[materials.{name}]"), &fault))?;
-            materials.insert(name.clone(), builder.material(material));
+            let looks = looks::material(name, spec);
+            let (material, finish) = looks.map_err(|fault| self.part(&format!("[materials.{name}]"), &fault))?;
+            materials.insert(name.clone(), builder.finished(material, finish));
         }
         for (name, spec) in &self.spec.shapes {
-            check_size(spec).map_err(|fault| self.part(&format!("[shapes.{name}]"), &fault))?;
+            objects::check_size(spec).map_err(|fault| self.part(&format!("[shapes.{name}]"), &fault))?;
         }
         let mut meshes = BTreeMap::new();
+        let mut warnings = Vec::new();
         for (name, spec) in &self.spec.meshes {
             let mesh = self.mesh(name, spec)?;
             mesh.add_to(&mut fingerprint);
+            warnings.extend(mesh.warnings.iter().map(|warning| format!("mesh {name:?}: {warning}")));
             meshes.insert(name.clone(), mesh);
         }
+        if let Some(spec) = &self.spec.environment {
+            let environment = looks::environment(spec, &self.beside(&spec.file));
+            let environment = environment.map_err(|fault| self.part("[environment]", &fault))?;
+            environment.add_to(&mut fingerprint);
+            builder.environment(environment);
+        }
+        if let Some(bounces) = wishes.bounces.or(self.spec.render.bounces) {
+            builder.bounces(bounces).map_err(|error| self.part("[render]", &error.into()))?;
+        }
+        if let Some(bounces) = wishes.bounces {
+            fingerprint.update(&bounces.to_le_bytes());
+        }
+        let mut objects = Objects { reader: self, builder: &mut builder, materials, meshes };
         for object in &self.spec.objects {
-            self.add_object(&mut builder, object, &materials, &meshes)?;
+            objects.add(object)?;
         }
         let scene = builder.build().map_err(|error| self.part("the scene", &error.into()))?;
-        Ok((scene, fingerprint.finalize()))
+        Ok((scene, fingerprint.finalize(), warnings))
+    }
+
+    /// Where a file lies that this one names.
+    fn beside(&self, file: &Path) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(file)
     }
 
     /// The file's text without what only says how it is seen; its tables sorted by name.
@@ -249,7 +313,13 @@ impl Reader<'_> {
 
     fn mesh(&self, name: &str, spec: &MeshSpec) -> Result<Mesh, FileError> {
         match (&spec.file, &spec.vertices, &spec.triangles) {
-            (Some(file), None, None) => Mesh::read(&self.path.parent().unwrap_or(Path::new("")).join(file)),
+            (Some(file), None, None) => {
+                let mut mesh = Mesh::read(&self.beside(file))?;
+                if spec.smooth == Some(false) {
+                    mesh.forget_normals();
+                }
+                Ok(mesh)
+            }
             (None, Some(vertices), Some(triangles)) => {
                 let mut mesh = Mesh { triangles: triangles.clone(), ..Mesh::default() };
                 mesh.vertices = vertices.iter().map(|&v| DVec3::from_array(v)).collect();
@@ -263,90 +333,11 @@ impl Reader<'_> {
             }
         }
     }
-
-    fn add_object(
-        &self,
-        builder: &mut SceneBuilder,
-        object: &ObjectSpec,
-        materials: &BTreeMap<String, MaterialId>,
-        meshes: &BTreeMap<String, Mesh>,
-    ) -> Result<(), FileError> {
-        let own_material = object.material.as_ref().map(|name| self.find("material", name, materials)).transpose()?;
-        let unplaced = [Spanned::new(0..0, PlacementSpec::default())];
-        let placements = object.placements.as_deref().unwrap_or(&unplaced);
-        match (&object.shape, &object.mesh) {
-            (Some(name), None) => {
-                let (shape, placed_from_local) = shape(self.find("shape", name, &self.spec.shapes)?);
-                let material = *own_material.ok_or_else(|| self.line(name, "a shape needs a material"))?;
-                for placement in placements {
-                    let world_from_local = world_from_placed(placement.get_ref()) * placed_from_local;
-                    let added = builder.shape(shape, world_from_local, material);
-                    added.map_err(|error| self.line(placement, error.to_string()))?;
-                }
-            }
-            (None, Some(name)) => {
-                let mesh = self.find("mesh", name, meshes)?;
-                let theirs: Vec<MaterialId> = match own_material {
-                    Some(_) => Vec::new(),
-                    None => mesh.materials.iter().map(|&material| builder.material(material)).collect(),
-                };
-                let material_of =
-                    |i: usize| own_material.copied().unwrap_or_else(|| theirs[mesh.material_of[i] as usize]);
-                for placement in placements {
-                    let map = world_from_placed(placement.get_ref());
-                    let added = builder.mesh(&mesh.vertices, &mesh.triangles, material_of, map);
-                    added.map_err(|error| self.line(placement, error.to_string()))?;
-                }
-            }
-            _ => {
-                let fault = Fault::Says("each object names either a shape or a mesh".to_owned());
-                return Err(self.part("[[objects]]", &fault));
-            }
-        }
-        Ok(())
-    }
 }
 
 /// The names of a table, for an error.
 fn names<T>(table: &BTreeMap<String, T>) -> String {
     if table.is_empty() { "none".to_owned() } else { table.keys().cloned().collect::<Vec<_>>().join(", ") }
-}
-
-fn light(spec: &LightSpec) -> Result<Light, Fault> {
-    Ok(match *spec {
-        LightSpec::Ambient { strength } => Light::Ambient { strength: strength.0.as_vec3() },
-        LightSpec::Sun { toward, strength } => Light::sun(DVec3::from_array(toward), strength.0.as_vec3())?,
-    })
-}
-
-fn material(spec: &MaterialSpec) -> Result<Material, Fault> {
-    let pigment = match (&spec.color, &spec.checker) {
-        (Some(_), Some(_)) => return Fault::says("give a color or a checker, not both"),
-        (None, None) if spec.emission.is_none() => return Fault::says("give a color, a checker or an emission"),
-        (None, None) => Pigment::Constant(Vec3::ZERO),
-        (Some(color), None) => Pigment::Constant(color.0.as_vec3()),
-        (None, Some(checker)) => Pigment::Checker {
-            colors: checker.colors.map(|color| color.0.as_vec3()),
-            side: checker.side,
-            axes: match checker.axes {
-                AxesSpec::Xz => [0, 2],
-                AxesSpec::Xy => [0, 1],
-                AxesSpec::Yz => [1, 2],
-            },
-        },
-    };
-    Ok(Material { pigment, emission: spec.emission.map_or(Vec3::ZERO, |emission| emission.0.as_vec3()) })
-}
-
-/// Fails unless all lengths of a shape are positive and finite.
-fn check_size(spec: &ShapeSpec) -> Result<(), Fault> {
-    let (_, placed_from_local) = shape(spec);
-    let scale = placed_from_local.matrix3;
-    let lengths = [scale.x_axis.x, scale.y_axis.y, scale.z_axis.z];
-    if lengths.iter().all(|&length| length > 0.0 && length.is_finite()) {
-        return Ok(());
-    }
-    Fault::says("sizes, radii and heights must be positive and finite")
 }
 
 /// Fails for what is no file but a folder, a pipe or a device, of which there may be no end.
@@ -355,27 +346,4 @@ pub(super) fn refuse_special(path: &Path) -> std::io::Result<()> {
         return Ok(());
     }
     Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "it is not a regular file"))
-}
-
-/// The canonical shape, and its map to the size asked for.
-fn shape(spec: &ShapeSpec) -> (Shape, DAffine3) {
-    let (shape, scale) = match *spec {
-        ShapeSpec::Plane { size: None } => (Shape::Plane, DVec3::ONE),
-        ShapeSpec::Plane { size: Some([x, z]) } => (Shape::Rectangle, DVec3::new(0.5 * x, 1.0, 0.5 * z)),
-        ShapeSpec::Box { size } => (Shape::Cuboid, 0.5 * size.0),
-        ShapeSpec::Sphere { radius } => (Shape::Sphere, DVec3::splat(radius)),
-        ShapeSpec::Cylinder { radius, height } => (Shape::Cylinder, DVec3::new(radius, height, radius)),
-        ShapeSpec::Cone { radius, height } => (Shape::Cone, DVec3::new(radius, height, radius)),
-    };
-    (shape, DAffine3::from_scale(scale))
-}
-
-/// Scales, then turns about z, x and y in this order, then moves.
-fn world_from_placed(spec: &PlacementSpec) -> DAffine3 {
-    let [x, y, z] = spec.rotate_deg.unwrap_or_default().map(f64::to_radians);
-    DAffine3::from_scale_rotation_translation(
-        spec.scale.map_or(DVec3::ONE, |scale| scale.0),
-        DQuat::from_euler(EulerRot::YXZ, y, x, z),
-        DVec3::from_array(spec.translate.unwrap_or_default()),
-    )
 }

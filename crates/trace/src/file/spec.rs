@@ -27,6 +27,11 @@ pub(crate) struct FileSpec {
     pub(crate) meshes: BTreeMap<String, MeshSpec>,
     #[serde(default)]
     pub(crate) lights: BTreeMap<String, LightSpec>,
+    pub(crate) environment: Option<EnvironmentSpec>,
+    #[serde(default)]
+    pub(crate) render: RenderSpec,
+    #[serde(default)]
+    pub(crate) groups: BTreeMap<String, Vec<PartSpec>>,
     #[serde(default)]
     pub(crate) objects: Vec<ObjectSpec>,
     #[serde(default)]
@@ -45,6 +50,38 @@ pub(crate) struct MaterialSpec {
     pub(crate) color: Option<Triple>,
     pub(crate) checker: Option<CheckerSpec>,
     pub(crate) emission: Option<Triple>,
+    #[serde(default)]
+    pub(crate) area_light: bool,
+    pub(crate) metallic: Option<f32>,
+    pub(crate) roughness: Option<f32>,
+    pub(crate) ior: Option<f32>,
+    pub(crate) glass: Option<GlassSpec>,
+    pub(crate) opacity: Option<f32>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GlassSpec {
+    pub(crate) ior: Option<f32>,
+    #[serde(default)]
+    pub(crate) thin: bool,
+}
+
+/// Light from all directions, out of a picture.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EnvironmentSpec {
+    pub(crate) file: PathBuf,
+    pub(crate) strength: Option<Triple>,
+    #[serde(default)]
+    pub(crate) rotate_deg: f64,
+}
+
+/// How far light is followed.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RenderSpec {
+    pub(crate) bounces: Option<u32>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -81,6 +118,7 @@ pub(crate) struct MeshSpec {
     pub(crate) file: Option<PathBuf>,
     pub(crate) vertices: Option<Vec<[f64; 3]>>,
     pub(crate) triangles: Option<Vec<[u32; 3]>>,
+    pub(crate) smooth: Option<bool>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -88,6 +126,8 @@ pub(crate) struct MeshSpec {
 pub(crate) enum LightSpec {
     Ambient { strength: Triple },
     Sun { toward: [f64; 3], strength: Triple },
+    Point { at: [f64; 3], strength: Triple },
+    Spot { at: [f64; 3], look_at: [f64; 3], strength: Triple, inner_deg: f64, outer_deg: f64 },
 }
 
 #[derive(Debug, Deserialize)]
@@ -95,8 +135,36 @@ pub(crate) enum LightSpec {
 pub(crate) struct ObjectSpec {
     pub(crate) shape: Option<Spanned<String>>,
     pub(crate) mesh: Option<Spanned<String>>,
+    pub(crate) group: Option<Spanned<String>>,
     pub(crate) material: Option<Spanned<String>>,
     pub(crate) placements: Option<Vec<Spanned<PlacementSpec>>>,
+    pub(crate) scatter: Option<Spanned<ScatterSpec>>,
+}
+
+/// A part of a group, placed in it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PartSpec {
+    pub(crate) shape: Option<Spanned<String>>,
+    pub(crate) mesh: Option<Spanned<String>>,
+    pub(crate) material: Option<Spanned<String>>,
+    #[serde(default)]
+    pub(crate) place: PlacementSpec,
+}
+
+/// Copies at places that a seed makes.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ScatterSpec {
+    pub(crate) count: u32,
+    #[serde(default)]
+    pub(crate) seed: u64,
+    pub(crate) from: [f64; 3],
+    pub(crate) to: [f64; 3],
+    pub(crate) turn_deg: Option<[f64; 3]>,
+    pub(crate) scale: Option<[f64; 2]>,
+    #[serde(default)]
+    pub(crate) spacing: f64,
 }
 
 #[derive(Debug, Clone, Copy, Default, Deserialize)]

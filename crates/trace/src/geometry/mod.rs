@@ -32,6 +32,8 @@ pub struct Hit {
     pub normal: DVec3,
     pub(crate) material: u32,
     pub(crate) primitive: PrimitiveId,
+    /// Weights of a triangle's second and third corner; 0 of a shape.
+    pub(crate) weights: [f32; 2],
 }
 
 /// Triangles and bounded shapes in one tree, infinite planes beside it.
@@ -92,6 +94,28 @@ impl Geometry {
     pub(crate) const MOST: usize = (1 << 28) - 1;
 
     pub(crate) fn new(triangles: Vec<Triangle>, shapes: Vec<PlacedShape>) -> Result<Self, SceneError> {
+        Self::build(triangles, shapes, &mut |_| {})
+    }
+
+    /// The same, and the index that each named triangle was given by; `u32::MAX` for names without one.
+    pub(crate) fn with_indices(
+        triangles: Vec<Triangle>,
+        shapes: Vec<PlacedShape>,
+    ) -> Result<(Self, Vec<u32>), SceneError> {
+        let mut index_of = Vec::with_capacity(triangles.len());
+        let geometry = Self::build(triangles, shapes, &mut |items| {
+            let lane = |lane: usize| items.get(lane).map_or(u32::MAX, |item| item.id);
+            index_of.extend((0..LANES).map(lane));
+        })?;
+        Ok((geometry, index_of))
+    }
+
+    /// `each_pack` is told the triangles of each pack.
+    fn build(
+        triangles: Vec<Triangle>,
+        shapes: Vec<PlacedShape>,
+        each_pack: &mut dyn FnMut(&[Item]),
+    ) -> Result<Self, SceneError> {
         let count = triangles.len() + shapes.len();
         if count > Self::MOST {
             return Err(SceneError::TooMany(count));
@@ -115,6 +139,7 @@ impl Geometry {
             if items[0].alone {
                 return Self::SHAPE | items[0].id;
             }
+            each_pack(items);
             packs.push(Pack::new(items.iter().map(|item| &triangles[item.id as usize])));
             (packs.len() - 1) as u32
         });
@@ -123,6 +148,7 @@ impl Geometry {
     }
 
     /// The first surface that the ray meets.
+    #[cfg(test)]
     pub(crate) fn hit(&self, ray: &Ray) -> Option<Hit> {
         self.hit_skipping(ray, Self::NO_PRIMITIVE)
     }
@@ -144,20 +170,25 @@ impl Geometry {
         if primitive & Self::SHAPE != 0 {
             let shape = &self.shapes[(primitive & !Self::SHAPE) as usize];
             let (t, normal) = shape.hit(ray, f64::INFINITY)?;
-            return Some(Hit { t, point: ray.at(t), normal, material: shape.material, primitive });
+            return Some(Hit { t, point: ray.at(t), normal, material: shape.material, primitive, weights: [0.0; 2] });
         }
         let Triangle { corners, material } = self.triangle(primitive);
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         // Weights that sum to 1 in double precision keep the point in the triangle's plane
         let point = a + f64::from(found.v) * (b - a) + f64::from(found.w) * (c - a);
         let normal = (b - a).cross(c - a).normalize_or(DVec3::Y);
-        Some(Hit { t: f64::from(found.t), point, normal, material, primitive })
+        Some(Hit { t: f64::from(found.t), point, normal, material, primitive, weights: [found.v, found.w] })
     }
 
     /// A triangle by its name.
     #[inline]
     pub(crate) fn triangle(&self, primitive: PrimitiveId) -> Triangle {
         self.packs[primitive as usize / LANES].triangle(primitive as usize % LANES)
+    }
+
+    /// The shapes by their numbers.
+    pub(crate) fn shapes(&self) -> &[PlacedShape] {
+        &self.shapes
     }
 
     /// Uses other vector instructions.

@@ -5,6 +5,7 @@ use optics::Camera;
 
 use super::lens_points::lens_points;
 use crate::sampler::Sampler;
+use crate::transport::pixel_size;
 use crate::{Hit, Ray, Scene};
 
 /// Surfaces that a ray passes before it is given up.
@@ -56,7 +57,7 @@ impl<'a> Walk<'a> {
             }
             let Some(hit) = self.next(&from, direction) else {
                 if self.sees_sky(direction) {
-                    found.push(Surface { depth: f32::INFINITY, color: self.scene.sky() });
+                    found.push(Surface { depth: f32::INFINITY, color: self.scene.sky_toward(direction) });
                 }
                 break;
             };
@@ -87,14 +88,17 @@ impl<'a> Walk<'a> {
 
     /// The average colour of a surface over the pixel, from the samples that hit it.
     fn color(&self, x: i32, y: i32, centre: &Hit, direction: DVec3) -> Vec3 {
-        let mut sum = self.scene.shade(centre, direction).as_dvec3();
-        let mut count = 1.0;
+        let size = pixel_size(self.camera);
         let samplers = [0, 1].map(|half| Sampler::new(self.seed, x, y, half));
+        // Other light than that of any sample, where light is left to chance
+        let mut sum = self.scene.shade_sample(centre, direction, size, (&samplers[0], self.samples)).as_dvec3();
+        let mut count = 1.0;
         for (sampler, index) in samplers.iter().flat_map(|sampler| (0..self.samples).map(move |i| (sampler, i))) {
             let offset = sampler.sample(index).pixel;
             let ray = pinhole_ray(self.camera, f64::from(x) + offset.x, f64::from(y) + offset.y);
             if let Some(hit) = self.same_surface(&ray, centre) {
-                sum += self.scene.shade(&hit, ray.direction.as_dvec3()).as_dvec3();
+                let direction = ray.direction.as_dvec3();
+                sum += self.scene.shade_sample(&hit, direction, size, (sampler, index)).as_dvec3();
                 count += 1.0;
             }
         }

@@ -4,7 +4,10 @@ mod candidates;
 mod hidden;
 mod lens_points;
 mod margin;
+mod optical;
 mod rest;
+
+pub use optical::optical_depth;
 
 use optics::Camera;
 use rayon::prelude::*;

@@ -6,6 +6,7 @@ use rgbd::{PixelRest, Plane};
 
 use super::hidden::pinhole_ray;
 use crate::sampler::Sampler;
+use crate::transport::pixel_size;
 use crate::{Ray, Scene};
 
 /// How far a sample's inverse depth may lie from the plane that touches the surface at the pixel's centre, over itself.
@@ -66,21 +67,24 @@ impl Inside<'_> {
             there.is_some_and(|z| is_other(q, 1.0 / f64::from(z)))
         });
 
+        let size = pixel_size(self.camera);
         let look = |samples: u32| {
             let of_half = |half| {
                 let sampler = Sampler::new(self.seed, x, y, half);
-                (0..samples).map(move |index| sampler.sample(index).pixel)
+                (0..samples).map(move |index| (sampler, index))
             };
-            let others = [0, 1].into_iter().flat_map(of_half).filter_map(|offset| {
-                let at = DVec2::new(f64::from(x), f64::from(y)) + offset;
+            let others = [0, 1].into_iter().flat_map(of_half).filter_map(|(sampler, index)| {
+                let at = DVec2::new(f64::from(x), f64::from(y)) + sampler.sample(index).pixel;
                 let q = self.camera.film.q_from_pixel(at);
                 let ray = self.ray(at);
                 let (facing, hit) = self.look(&ray);
-                is_other(q, facing.inverse).then(|| Other {
-                    is_nearer: facing.inverse > own.plane_at(q),
-                    inverse: facing.inverse,
-                    color: hit.map_or(self.scene.sky(), |hit| self.scene.shade(&hit, ray.direction.as_dvec3())),
-                })
+                let direction = ray.direction.as_dvec3();
+                let color = || match hit {
+                    Some(hit) => self.scene.shade_sample(&hit, direction, size, (&sampler, index)),
+                    None => self.scene.sky_toward(direction),
+                };
+                let is_nearer = facing.inverse > own.plane_at(q);
+                is_other(q, facing.inverse).then(|| Other { is_nearer, inverse: facing.inverse, color: color() })
             });
             others.collect::<Vec<_>>()
         };

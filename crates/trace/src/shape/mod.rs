@@ -75,6 +75,11 @@ impl PlacedShape {
         Ok(Self { shape, world_from_local, local_from_world, material })
     }
 
+    /// What it is, and where.
+    pub(crate) fn placed(&self) -> (Shape, &DAffine3) {
+        (self.shape, &self.world_from_local)
+    }
+
     /// The first hit with t in (0, `t_max`), and the unit normal in world space.
     #[inline]
     pub(crate) fn hit(&self, ray: &Ray, t_max: f64) -> Option<(f64, DVec3)> {

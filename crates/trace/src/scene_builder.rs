@@ -1,0 +1,316 @@
+//! From parts to a scene.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec3};
+
+use crate::geometry::{Geometry, Triangle};
+use crate::mesh_detail::Patch;
+use crate::shape::PlacedShape;
+use crate::transport::{Parts, PointLight, Transport};
+use crate::{Alpha, Environment, Finish, Light, MAX_RADIANCE, Material, Matter, MeshDetail, Scene, SceneError, Shape};
+
+/// Bounces that are taken where something needs any and nobody says how many.
+pub(crate) const DEFAULT_BOUNCES: u32 = 8;
+/// The most bounces.
+const MOST_BOUNCES: u32 = 1024;
+
+/// Collects the parts of a [`Scene`].
+#[derive(Debug, Clone, Default)]
+pub struct SceneBuilder {
+    triangles: Vec<Triangle>,
+    shapes: Vec<PlacedShape>,
+    patches: Vec<Patch>,
+    materials: Vec<Material>,
+    finishes: Vec<Finish>,
+    lights: Vec<Light>,
+    environment: Option<Environment>,
+    bounces: Option<u32>,
+    sky: Vec3,
+    shadow_bias: f64,
+    metres_per_unit: Option<f64>,
+}
+
+/// A material of a [`SceneBuilder`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MaterialId(u32);
+
+impl SceneBuilder {
+    /// An empty, black scene.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a material.
+    pub fn material(&mut self, material: Material) -> MaterialId {
+        self.finished(material, Finish::default())
+    }
+
+    /// Adds a material with more to it than colours.
+    pub fn finished(&mut self, material: Material, finish: Finish) -> MaterialId {
+        self.materials.push(material);
+        self.finishes.push(finish);
+        MaterialId((self.materials.len() - 1) as u32)
+    }
+
+    /// Adds a canonical shape under an affine map, which must be finite and invertible.
+    pub fn shape(&mut self, shape: Shape, world_from_local: DAffine3, material: MaterialId) -> Result<(), SceneError> {
+        self.shapes.push(PlacedShape::new(shape, world_from_local, material.0)?);
+        Ok(())
+    }
+
+    /// Adds triangles: `corners` are indices into `vertices`, counter-clockwise seen from outside, each triangle with
+    /// its own material. Triangles without area, or with a corner that is not finite, can never be seen: they are left
+    /// out, and their number is returned.
+    pub fn mesh(
+        &mut self,
+        vertices: &[DVec3],
+        corners: &[[u32; 3]],
+        materials: impl Fn(usize) -> MaterialId,
+        world_from_local: DAffine3,
+    ) -> Result<usize, SceneError> {
+        self.detailed_mesh(vertices, corners, materials, world_from_local, &Arc::default())
+    }
+
+    /// Adds triangles of which more is known than their corners' places: `detail` has an entry for each, or none.
+    pub fn detailed_mesh(
+        &mut self,
+        vertices: &[DVec3],
+        corners: &[[u32; 3]],
+        materials: impl Fn(usize) -> MaterialId,
+        world_from_local: DAffine3,
+        detail: &Arc<MeshDetail>,
+    ) -> Result<usize, SceneError> {
+        let first = self.triangles.len();
+        let mut kept = Vec::new();
+        // Rounding once per vertex keeps neighbours together
+        let world: Vec<Vec3> = vertices.iter().map(|&v| world_from_local.transform_point3(v).as_vec3()).collect();
+        let mut dropped = 0;
+        for (triangle, indices) in corners.iter().enumerate() {
+            if let Some(&vertex) = indices.iter().find(|&&i| i as usize >= world.len()) {
+                return Err(SceneError::NoSuchVertex { triangle, vertex, count: world.len() });
+            }
+            let corners = indices.map(|i| world[i as usize]);
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
+            let area = (b - a).cross(c - a).length();
+            if area > 0.0 && area.is_finite() {
+                self.triangles.push(Triangle { corners, material: materials(triangle).0 });
+                kept.push(triangle as u32);
+            } else {
+                dropped += 1;
+            }
+        }
+        if !detail.is_empty() && first < self.triangles.len() {
+            let kept = (dropped > 0).then_some(kept);
+            let range = first as u32..self.triangles.len() as u32;
+            self.patches.push(Patch::new(range, Arc::clone(detail), kept, &world_from_local));
+        }
+        Ok(dropped)
+    }
+
+    /// Lets light come from infinitely far as a picture of all directions says, instead of the sky.
+    pub fn environment(&mut self, environment: Environment) {
+        self.environment = Some(environment);
+    }
+
+    /// Says how often light goes from surface to surface, at most 1024 times. Otherwise it does 8 times where a material or
+    /// light needs it, else never; with 0 what is glossy or glass looks matte.
+    pub fn bounces(&mut self, bounces: u32) -> Result<(), SceneError> {
+        if bounces > MOST_BOUNCES {
+            let value = f64::from(bounces);
+            return Err(SceneError::OutOfRange { what: "number of bounces", value, wanted: "at most 1024" });
+        }
+        self.bounces = Some(bounces);
+        Ok(())
+    }
+
+    /// Adds a light.
+    pub fn light(&mut self, light: Light) {
+        self.lights.push(light);
+    }
+
+    /// Sets the radiance of what is infinitely far away.
+    pub fn sky(&mut self, radiance: Vec3) {
+        self.sky = radiance;
+    }
+
+    /// Starts shadow rays off the surface by `share` x (1 + the point's largest coordinate).
+    ///
+    /// The default 0 is exact. Other renderers use a bias against self-shadowing (Mitsuba 3: 8.9e-5), which shortens
+    /// the shadows of things that touch; with the same bias their pictures can be compared.
+    pub fn shadow_bias(&mut self, share: f64) -> Result<(), SceneError> {
+        if !(0.0..=1.0).contains(&share) {
+            return Err(SceneError::OutOfRange { what: "shadow bias", value: share, wanted: "0 to 1" });
+        }
+        self.shadow_bias = share;
+        Ok(())
+    }
+
+    /// Says how many metres one scene unit is.
+    pub fn metres_per_unit(&mut self, metres: f64) -> Result<(), SceneError> {
+        positive("metres per unit", metres)?;
+        self.metres_per_unit = Some(metres);
+        Ok(())
+    }
+
+    /// The scene; every colour and light must be finite and not negative, and no surface brighter than
+    /// [`MAX_RADIANCE`].
+    pub fn build(self) -> Result<Scene, SceneError> {
+        let mut total = Vec3::ZERO;
+        for light in &self.lights {
+            not_negative("strength of a light", light.strength())?;
+            if !matches!(light, Light::Point { .. }) {
+                total += light.strength();
+            }
+        }
+        not_negative("radiance of the sky", self.sky)?;
+        not_too_bright("radiance of the sky", self.sky.max_element())?;
+        for material in &self.materials {
+            match material.pigment {
+                crate::Pigment::Constant(color) => not_negative("color of a material", color)?,
+                crate::Pigment::Checker { colors, side, axes } => {
+                    not_negative("color of a checker", colors[0])?;
+                    not_negative("color of a checker", colors[1])?;
+                    positive("side of a checker's tiles", side)?;
+                    if axes.iter().any(|&axis| axis > 2) {
+                        let value = axes[0].max(axes[1]) as f64;
+                        return Err(SceneError::OutOfRange { what: "axis of a checker", value, wanted: "0, 1 or 2" });
+                    }
+                }
+            }
+            not_negative("emission of a material", material.emission)?;
+            not_too_bright("radiance of a material", material.brightest(total.max_element()))?;
+        }
+        for finish in &self.finishes {
+            check_finish(finish)?;
+        }
+        let (bounces, reasons) = self.needs();
+        let mut ambient = Vec3::ZERO;
+        let (mut suns, mut points) = (Vec::new(), Vec::new());
+        for light in self.lights {
+            match light {
+                Light::Ambient { strength } => ambient += strength,
+                Light::Sun { toward, strength } => suns.push((toward, strength)),
+                Light::Point { at, strength, cone } => points.push(PointLight { at, strength, cone }),
+            }
+        }
+        let (geometry, transport) = if reasons.is_empty() {
+            (Geometry::new(self.triangles, self.shapes)?, None)
+        } else {
+            let (geometry, triangle_of) = Geometry::with_indices(self.triangles, self.shapes)?;
+            let (finishes, patches, environment) = (self.finishes, self.patches, self.environment);
+            let parts = Parts { finishes, patches, triangle_of, points, environment, bounces, reasons };
+            let emission: Vec<Vec3> = self.materials.iter().map(|material| material.emission).collect();
+            let transport = Transport::new(parts, &geometry, &emission);
+            (geometry, Some(Box::new(transport)))
+        };
+        Ok(Scene {
+            geometry,
+            materials: self.materials,
+            ambient,
+            suns,
+            sky: self.sky,
+            shadow_bias: self.shadow_bias,
+            metres_per_unit: self.metres_per_unit,
+            transport,
+        })
+    }
+
+    /// How many bounces the scene takes, and what of it needs more than the base shading, in words: one example of each kind.
+    pub(crate) fn needs(&self) -> (u32, Vec<String>) {
+        // Only what is used counts
+        let mut is_used = vec![false; self.materials.len()];
+        let of_triangles = self.triangles.iter().map(|triangle| triangle.material);
+        of_triangles.chain(self.shapes.iter().map(|shape| shape.material)).for_each(|i| is_used[i as usize] = true);
+        let used = || (0..self.materials.len()).filter(|&i| is_used[i]);
+        let finish = |is_one: &dyn Fn(&Finish) -> bool| used().map(|i| &self.finishes[i]).find(|finish| is_one(finish));
+        let mut reasons = Vec::new();
+        let mut add = |what: &str, found: Option<&Finish>| {
+            if let Some(finish) = found {
+                let name = if finish.name.is_empty() { String::new() } else { format!(" '{}'", finish.name) };
+                reasons.push(format!("{what}{name}"));
+            }
+        };
+
+        // What makes light go from surface to surface
+        if self.bounces != Some(0) {
+            add("glossy material", finish(&|finish| matches!(finish.matter, Matter::Glossy { .. })));
+            add("glass material", finish(&|finish| matches!(finish.matter, Matter::Glass { .. })));
+            let lamp = used().find(|&i| self.finishes[i].is_light && self.materials[i].emission != Vec3::ZERO);
+            add("area light", lamp.map(|i| &self.finishes[i]));
+            if self.environment.is_some() {
+                reasons.push("environment map".to_owned());
+            }
+        }
+        if self.bounces.is_some_and(|bounces| bounces > 0) {
+            reasons.push("bounces asked for".to_owned());
+        }
+        let bounces = if reasons.is_empty() { 0 } else { self.bounces.unwrap_or(DEFAULT_BOUNCES) };
+
+        // What rays must be traced one by one for
+        let mut add = |what: &str, found: Option<&Finish>| {
+            if let Some(finish) = found {
+                reasons.push(if finish.name.is_empty() {
+                    what.to_owned()
+                } else {
+                    format!("{what} '{}'", finish.name)
+                });
+            }
+        };
+        add("textured material", finish(&|finish| finish.maps().next().is_some()));
+        add("material with holes", finish(&|finish| finish.alpha != Alpha::Opaque));
+        if self.patches.iter().any(Patch::is_smooth) {
+            reasons.push("smooth normals".to_owned());
+        }
+        if self.patches.iter().any(Patch::is_colored) {
+            reasons.push("colours at vertices".to_owned());
+        }
+        if self.lights.iter().any(|light| matches!(light, Light::Point { .. })) {
+            reasons.push("point light".to_owned());
+        }
+        if self.bounces == Some(0) && self.environment.is_some() {
+            reasons.push("environment map, seen only".to_owned());
+        }
+        (bounces, reasons)
+    }
+}
+
+/// Fails for numbers that a finish cannot have.
+fn check_finish(finish: &Finish) -> Result<(), SceneError> {
+    let within = |what: &'static str, value: f32, [least, most]: [f32; 2], wanted: &'static str| {
+        let is_within = (least..=most).contains(&value);
+        if is_within { Ok(()) } else { Err(SceneError::OutOfRange { what, value: f64::from(value), wanted }) }
+    };
+    match finish.matter {
+        Matter::Matte => {}
+        Matter::Glossy { metallic, roughness, ior } => {
+            within("share of metal", metallic, [0.0, 1.0], "0 to 1")?;
+            within("roughness", roughness, [0.0, 1.0], "0 to 1")?;
+            within("refractive index", ior, [1.0, 4.0], "1 to 4")?;
+        }
+        Matter::Glass { ior, .. } => within("refractive index", ior, [1.0, 4.0], "1 to 4")?,
+    }
+    within("opacity", finish.opacity, [0.0, 1.0], "0 to 1")
+}
+
+fn positive(what: &'static str, value: f64) -> Result<(), SceneError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(SceneError::OutOfRange { what, value, wanted: "positive and finite" })
+}
+
+fn not_negative(what: &'static str, color: Vec3) -> Result<(), SceneError> {
+    match color.to_array().into_iter().find(|&x| !(x >= 0.0 && x.is_finite())) {
+        Some(value) => Err(SceneError::OutOfRange { what, value: f64::from(value), wanted: "0 or more, and finite" }),
+        None => Ok(()),
+    }
+}
+
+fn not_too_bright(what: &'static str, value: f32) -> Result<(), SceneError> {
+    if value <= MAX_RADIANCE {
+        return Ok(());
+    }
+    Err(SceneError::OutOfRange { what, value: f64::from(value), wanted: "at most 262144; use a larger unit of light" })
+}

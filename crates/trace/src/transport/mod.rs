@@ -1,0 +1,218 @@
+//! Light transport beyond the base shading, for scenes that need it.
+//!
+//! A scene has a [`Transport`] if its surfaces have textures, holes, smooth normals or point lights, or if light goes from
+//! surface to surface in it. It is then traced ray by ray; all other scenes keep the packets of `shade`.
+
+mod albedo;
+mod bsdf;
+mod chain;
+mod emitters;
+mod environment;
+mod footprint;
+mod fresnel;
+mod gather;
+mod microfacet;
+mod path;
+mod stream;
+mod surface;
+
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use crate::geometry::{Geometry, PrimitiveId};
+use crate::light::Cone;
+use crate::mesh_detail::Patch;
+use crate::{Alpha, Finish, Hit, Ray, Scene};
+use albedo::Albedo;
+use emitters::Emitters;
+
+pub(crate) use chain::{Bent, Chain};
+pub use environment::Environment;
+pub(crate) use footprint::Footprint;
+pub(crate) use gather::{gather, pixel_size};
+pub(crate) use stream::Stream;
+
+/// Surfaces with holes that a ray passes before it is given up.
+const MOST_HOLES: usize = 256;
+
+/// A light at a point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PointLight {
+    pub(crate) at: DVec3,
+    pub(crate) strength: Vec3,
+    pub(crate) cone: Option<Cone>,
+}
+
+/// What a scene has beyond that.
+#[derive(Debug, Clone)]
+pub(crate) struct Transport {
+    /// One for each material.
+    pub(crate) finishes: Vec<Finish>,
+    /// In the order of their triangles.
+    patches: Vec<Patch>,
+    /// The triangle behind each name.
+    triangle_of: Vec<u32>,
+    pub(crate) points: Vec<PointLight>,
+    emitters: Emitters,
+    environment: Option<Environment>,
+    /// How often light goes from surface to surface.
+    bounces: u32,
+    /// Why it is needed, in words.
+    reasons: Vec<String>,
+    has_holes: bool,
+    /// Coats by material; an index into the other.
+    coat_of: Vec<usize>,
+    coats: Vec<Arc<Albedo>>,
+}
+
+/// What a builder knows of it.
+pub(crate) struct Parts {
+    pub(crate) finishes: Vec<Finish>,
+    pub(crate) patches: Vec<Patch>,
+    pub(crate) triangle_of: Vec<u32>,
+    pub(crate) points: Vec<PointLight>,
+    pub(crate) environment: Option<Environment>,
+    pub(crate) bounces: u32,
+    pub(crate) reasons: Vec<String>,
+}
+
+impl Transport {
+    pub(crate) fn new(parts: Parts, geometry: &Geometry, emission: &[Vec3]) -> Self {
+        // One table for each refractive index that occurs
+        let (mut coats, mut iors, mut coat_of): (Vec<Arc<Albedo>>, Vec<f32>, Vec<usize>) = Default::default();
+        for finish in &parts.finishes {
+            let crate::Matter::Glossy { ior, .. } = finish.matter else {
+                coat_of.push(0);
+                continue;
+            };
+            let known = iors.iter().position(|known| *known == ior).filter(|_| parts.bounces > 0);
+            coat_of.push(known.unwrap_or(coats.len()));
+            if known.is_none() && parts.bounces > 0 {
+                iors.push(ior);
+                coats.push(Albedo::of_dielectric(ior));
+            }
+        }
+
+        // Ask surfaces for light only if it goes from one to another
+        let emits = |material: u32| {
+            let finish = &parts.finishes[material as usize];
+            let mean = finish.emission_map.as_ref().map_or(Vec3::ONE, |map| map.texture.mean().truncate());
+            emission[material as usize] * mean
+        };
+        let emitters = if parts.bounces > 0 {
+            let named = parts.triangle_of.iter().enumerate().filter(|(_, triangle)| **triangle != u32::MAX);
+            let triangles = named.map(|(primitive, _)| {
+                let triangle = geometry.triangle(primitive as PrimitiveId);
+                (primitive as PrimitiveId, triangle.material, triangle.corners)
+            });
+            Emitters::new(triangles, geometry.shapes(), emits)
+        } else {
+            Emitters::default()
+        };
+        let has_holes = parts.finishes.iter().any(|finish| finish.alpha != Alpha::Opaque);
+        Self {
+            finishes: parts.finishes,
+            patches: parts.patches,
+            triangle_of: parts.triangle_of,
+            points: parts.points,
+            emitters,
+            environment: parts.environment,
+            bounces: parts.bounces,
+            reasons: parts.reasons,
+            has_holes,
+            coat_of,
+            coats,
+        }
+    }
+
+    /// How often light goes from surface to surface.
+    pub(crate) fn bounces(&self) -> u32 {
+        self.bounces
+    }
+
+    /// Whether anything has holes.
+    pub(crate) fn has_holes(&self) -> bool {
+        self.has_holes
+    }
+
+    /// Why it is needed.
+    pub(crate) fn reasons(&self) -> &[String] {
+        &self.reasons
+    }
+
+    /// The placed mesh that a triangle belongs to, if that says anything of it, and the triangle's index.
+    fn patch(&self, primitive: PrimitiveId) -> Option<(&Patch, u32)> {
+        let triangle = self.triangle_of[primitive as usize];
+        let after = self.patches.partition_point(|patch| patch.range.start <= triangle);
+        let patch = &self.patches[after.checked_sub(1)?];
+        patch.range.contains(&triangle).then_some((patch, triangle))
+    }
+
+    fn coat(&self, material: u32) -> &Albedo {
+        &self.coats[self.coat_of[material as usize]]
+    }
+
+    /// Radiance from infinitely far along a direction of any length.
+    pub(crate) fn sky(&self, scene: &Scene, direction: DVec3) -> Vec3 {
+        self.environment
+            .as_ref()
+            .map_or(scene.sky, |environment| environment.radiance(direction.normalize_or(DVec3::Y)))
+    }
+
+    /// The first surface on a ray but `skip` that is half opaque or more.
+    pub(crate) fn solid_hit(&self, scene: &Scene, ray: &Ray, skip: PrimitiveId) -> Option<Hit> {
+        self.hit_unless(scene, ray, skip, |hit| self.alpha(scene, hit, 0.0) < 0.5)
+    }
+
+    /// The first surface on a ray but `skip` that is not passed.
+    fn hit_unless(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        skip: PrimitiveId,
+        mut is_passed: impl FnMut(&Hit) -> bool,
+    ) -> Option<Hit> {
+        let mut hit = scene.geometry.hit_skipping(ray, skip)?;
+        if !self.has_holes || !is_passed(&hit) {
+            return Some(hit);
+        }
+        // Go on from there, and count from the start
+        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        for _ in 0..MOST_HOLES {
+            let beyond = if hit.normal.dot(direction) < 0.0 { -hit.normal } else { hit.normal };
+            let rest = Ray::leaving(hit.point, beyond, direction);
+            hit = scene.geometry.hit_skipping(&rest, hit.primitive)?;
+            if !is_passed(&hit) {
+                hit.t = (hit.point - origin).dot(direction) / direction.length_squared();
+                return Some(hit);
+            }
+        }
+        None
+    }
+
+    /// Share of the light that passes along a ray up to `t_max`, the triangle `skip` aside.
+    pub(crate) fn passing(&self, scene: &Scene, ray: &Ray, t_max: f64, skip: PrimitiveId) -> f32 {
+        if !self.has_holes {
+            return if scene.geometry.is_blocked(ray, t_max, skip) { 0.0 } else { 1.0 };
+        }
+        let mut share = 1.0;
+        let (mut ray, mut skip, mut rest) = (*ray, skip, t_max);
+        for _ in 0..MOST_HOLES {
+            let Some(hit) = scene.geometry.hit_skipping(&ray, skip).filter(|hit| hit.t < rest) else { return share };
+            share *= 1.0 - self.alpha(scene, &hit, 0.0);
+            if share <= 0.0 {
+                return 0.0;
+            }
+            let direction = ray.direction.as_dvec3();
+            let beyond = if hit.normal.dot(direction) < 0.0 { -hit.normal } else { hit.normal };
+            rest -= hit.t;
+            ray = Ray::leaving(hit.point, beyond, direction);
+            skip = hit.primitive;
+        }
+        0.0
+    }
+}

@@ -1,0 +1,374 @@
+//! Known answers of light transport.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
+
+use super::*;
+use crate::sampler::Sampler;
+use crate::{Light, Material, Matter, MeshDetail, Pigment, SceneBuilder, Shape, Texture, TextureMap};
+
+/// Mean radiance along a ray over `count` paths, with its standard error (the largest of the channels').
+fn mean(scene: &Scene, ray: &Ray, count: u32) -> (Vec3, f32) {
+    let transport = scene.transport.as_ref().expect("the scene needs no light transport");
+    let (mut sum, mut squares) = (Vec3::ZERO, Vec3::ZERO);
+    for i in 0..count {
+        // A sequence of its own for each path: independent, so that the error is that of chance
+        let sampler = Sampler::new(9, i as i32, 0, 0);
+        let radiance = transport.radiance(scene, ray, Footprint::SHARP, &mut Stream::new(&sampler, 0, false));
+        sum += radiance;
+        squares += radiance * radiance;
+    }
+    let n = count as f32;
+    let mean = sum / n;
+    let error = ((squares / n - mean * mean).max(Vec3::ZERO) / n).max_element().sqrt();
+    (mean, error)
+}
+
+/// Four standard errors: wrongly alarming once in 16,000 comparisons.
+const SIGMAS: f32 = 4.0;
+
+fn finish(matter: Matter) -> Finish {
+    Finish { matter, ..Finish::default() }
+}
+
+/// A ball of radius 1 at the origin under a white sky of radiance 1.
+fn furnace(matter: Matter, bounces: u32) -> Scene {
+    let mut builder = SceneBuilder::new();
+    let white = builder.finished(Material::matte(Vec3::ONE), finish(matter));
+    builder.shape(Shape::Sphere, DAffine3::IDENTITY, white).unwrap();
+    builder.sky(Vec3::ONE);
+    builder.bounces(bounces).unwrap();
+    builder.build().unwrap()
+}
+
+#[test]
+fn a_white_furnace_stays_white() {
+    /// What the tables of albedos are wrong by.
+    const TABLES: f32 = 0.004;
+    let gloss = |metallic, roughness| Matter::Glossy { metallic, roughness, ior: 1.5 };
+    let mut cases = vec![
+        (Matter::Matte, 0.0),
+        (gloss(1.0, 0.0), 0.0),
+        (Matter::Glass { ior: 1.5, thin: false }, 0.0),
+        (Matter::Glass { ior: 1.5, thin: true }, 0.0),
+    ];
+    for roughness in [0.0, 0.1, 0.3, 0.6, 1.0] {
+        for metallic in [0.0, 0.5, 1.0] {
+            cases.push((gloss(metallic, roughness), TABLES));
+        }
+    }
+    for (matter, tables) in cases {
+        // Glass lets go of what is caught in it after a few reflections
+        let scene = furnace(matter, 60);
+        for x in [0.0, 0.5, 0.9, 0.99] {
+            let ray = Ray::new(DVec3::new(x, 0.1, 5.0), DVec3::NEG_Z);
+            let (mean, error) = mean(&scene, &ray, 4000);
+            let off = (mean - 1.0).abs().max_element();
+            assert!(off <= SIGMAS * error + tables + 1e-5, "{matter:?} at {x}: {mean} +- {error}");
+        }
+    }
+}
+
+#[test]
+fn a_coloured_coat_never_gives_more_than_it_gets() {
+    for roughness in [0.0, 0.2, 0.5, 1.0] {
+        for metallic in [0.0, 1.0] {
+            let mut builder = SceneBuilder::new();
+            let color = Vec3::new(1.0, 0.5, 0.0);
+            let matter = Matter::Glossy { metallic, roughness, ior: 1.8 };
+            let paint = builder.finished(Material::matte(color), finish(matter));
+            builder.shape(Shape::Sphere, DAffine3::IDENTITY, paint).unwrap();
+            builder.sky(Vec3::ONE);
+            let scene = builder.build().unwrap();
+            let (mean, error) = mean(&scene, &Ray::new(DVec3::new(0.3, 0.4, 5.0), DVec3::NEG_Z), 4000);
+            assert!(mean.max_element() <= 1.0 + SIGMAS * error + 0.004, "{matter:?}: {mean}");
+            assert!(mean.z < mean.y && mean.y < mean.x, "{mean}");
+        }
+    }
+}
+
+/// Inside a closed ball that emits E and reflects the share a, N bounces make E (1 + a + ... + a^N).
+#[test]
+fn a_closed_ball_shines_as_its_series_says() {
+    let (emission, albedo) = (Vec3::new(0.5, 1.0, 2.0), 0.6_f32);
+    let matters = [Matter::Matte, Matter::Glossy { metallic: 1.0, roughness: 0.0, ior: 1.5 }];
+    for (matter, bounces) in [0, 1, 2, 5, 60].into_iter().flat_map(|n| matters.map(|matter| (matter, n))) {
+        let mut builder = SceneBuilder::new();
+        let material = Material { pigment: Pigment::Constant(Vec3::splat(albedo)), emission };
+        let wall = builder.finished(material, Finish { is_light: true, ..finish(matter) });
+        builder.shape(Shape::Sphere, DAffine3::from_scale(DVec3::splat(3.0)), wall).unwrap();
+        builder.bounces(bounces).unwrap();
+        builder.light(Light::Point { at: DVec3::ZERO, strength: Vec3::ZERO, cone: None });
+        let scene = builder.build().unwrap();
+        let series: f32 = (0..=bounces).map(|n| albedo.powi(n as i32)).sum();
+        let (mean, error) = mean(&scene, &Ray::new(DVec3::new(0.4, 0.1, 0.0), DVec3::new(1.0, 0.3, 0.7)), 2000);
+        if matter == Matter::Matte || bounces == 0 {
+            let off = (mean / emission - series).abs().max_element();
+            assert!(off <= SIGMAS * error / 0.5 + 1e-4, "{bounces} bounces: {mean} instead of {}", emission * series);
+        } else {
+            // A mirror of 60 % straight on reflects more aslant (Schlick), never less
+            assert!((mean / emission).min_element() >= series - 1e-4, "{mean}");
+        }
+    }
+}
+
+/// A floor under a square lamp and a pillar: as bright by the lamp's own samples as by paths that find it.
+#[test]
+fn lights_that_are_asked_and_lights_that_are_met_give_the_same() {
+    for matter in [Matter::Matte, Matter::Glossy { metallic: 0.5, roughness: 0.4, ior: 1.5 }] {
+        let scene = |is_sampled: bool| {
+            let mut builder = SceneBuilder::new();
+            let floor = builder.finished(Material::matte(Vec3::new(0.8, 0.6, 0.4)), finish(matter));
+            let lamp = Material::glowing(Vec3::splat(4.0));
+            let lamp = builder.finished(lamp, Finish { is_light: true, ..Finish::default() });
+            builder.shape(Shape::Plane, DAffine3::IDENTITY, floor).unwrap();
+            // A flat box is none of the shapes that are asked, but as good as the square
+            let height = if is_sampled { 1.0 } else { 1e-6 };
+            let map = DAffine3::from_translation(3.0 * DVec3::Y) * DAffine3::from_scale(DVec3::new(1.5, height, 1.5));
+            builder.shape(if is_sampled { Shape::Rectangle } else { Shape::Cuboid }, map, lamp).unwrap();
+            builder.bounces(1).unwrap();
+            builder.build().unwrap()
+        };
+        let ray = Ray::new(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.2, -2.0, -5.0));
+        let (asked, asked_error) = mean(&scene(true), &ray, 6000);
+        let (met, met_error) = mean(&scene(false), &ray, 60_000);
+        let error = SIGMAS * (asked_error.powi(2) + met_error.powi(2)).sqrt();
+        assert!((asked - met).abs().max_element() < error, "{matter:?}: {asked} {met} +- {error}");
+        assert!(asked_error < 0.02 * asked.max_element(), "{asked} +- {asked_error}: the lamp is not asked");
+    }
+}
+
+#[test]
+fn a_square_lamp_lights_a_floor_as_its_form_factor_says() {
+    let mut builder = SceneBuilder::new();
+    let floor = builder.material(Material::matte(Vec3::ONE));
+    let lamp = builder.finished(Material::glowing(Vec3::ONE), Finish { is_light: true, ..Finish::default() });
+    builder.shape(Shape::Plane, DAffine3::IDENTITY, floor).unwrap();
+    builder.shape(Shape::Rectangle, DAffine3::from_translation(DVec3::Y), lamp).unwrap();
+    builder.bounces(1).unwrap();
+    let scene = builder.build().unwrap();
+    // From a point under the corner of a rectangle a x b at height c (Howell, configuration B-3); here four of 1 x 1 x 1
+    let (a, b) = (1.0_f64, 1.0_f64);
+    let (da, db) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
+    let one = (a / da * (b / da).atan() + b / db * (a / db).atan()) / std::f64::consts::TAU;
+    let (mean, error) = mean(&scene, &Ray::new(DVec3::new(1e-3, 0.5, 0.0), DVec3::new(-1e-3, -0.5, 0.0)), 20_000);
+    assert!((mean.x - 4.0 * one as f32).abs() < SIGMAS * error, "{mean} +- {error} instead of {}", 4.0 * one);
+    assert!(error < 0.01);
+}
+
+/// The edge of a half plane at height h casts, from a lamp of width s at height H, a penumbra s h / (H - h) wide.
+#[test]
+fn the_penumbra_is_as_wide_as_the_lamp_says() {
+    let (size, lamp_height, edge_height) = (0.8, 4.0, 1.0);
+    let mut builder = SceneBuilder::new();
+    let floor = builder.material(Material::matte(Vec3::ONE));
+    let black = builder.material(Material::matte(Vec3::ZERO));
+    let lamp = builder.finished(Material::glowing(Vec3::splat(50.0)), Finish { is_light: true, ..Finish::default() });
+    builder.shape(Shape::Plane, DAffine3::IDENTITY, floor).unwrap();
+    let square = |size: f64, at: DVec3| DAffine3::from_translation(at) * DAffine3::from_scale(DVec3::splat(0.5 * size));
+    builder.shape(Shape::Rectangle, square(size, DVec3::new(0.0, lamp_height, 0.0)), lamp).unwrap();
+    builder.shape(Shape::Rectangle, square(40.0, DVec3::new(20.0, edge_height, 0.0)), black).unwrap();
+    builder.bounces(1).unwrap();
+    let scene = builder.build().unwrap();
+    // The floor from beside, below the half plane
+    let at = |x: f64| {
+        let target = DVec3::new(x, 0.0, 0.0);
+        let eye = target + DVec3::new(0.0, 0.8, 3.0);
+        mean(&scene, &Ray::new(eye, target - eye), 400).0.x
+    };
+    let half = 0.5 * size * edge_height / (lamp_height - edge_height);
+    let lit = at(-half - 0.02);
+    assert!(at(half + 0.01) == 0.0, "light where the whole lamp is hidden");
+    assert!(at(half - 0.02) > 0.0, "no light where some of the lamp is seen");
+    assert!(at(-half + 0.03) < 0.97 * lit, "full light where some of the lamp is hidden");
+    // Half of it is hidden under the edge; 400 samples of yes and no scatter by 2.5 %
+    assert!((at(0.0) / lit - 0.5).abs() < 0.1, "{}", at(0.0) / lit);
+}
+
+/// Light that goes through a thick pane aslant comes out parallel, moved by t sin(i - r) / cos r (Snell), and weakened by
+/// Fresnel's two boundaries and all the reflections between them.
+#[test]
+fn a_pane_moves_and_weakens_light_as_snell_and_fresnel_say() {
+    let (thickness, ior) = (0.5, 1.5_f64);
+    let mut builder = SceneBuilder::new();
+    let glass = finish(Matter::Glass { ior: ior as f32, thin: false });
+    let glass = builder.finished(Material::matte(Vec3::ONE), glass);
+    let pane = DAffine3::from_scale(DVec3::new(50.0, 50.0, 0.5 * thickness));
+    builder.shape(Shape::Cuboid, pane, glass).unwrap();
+    // Behind it a wall that is lit on one side of a line only
+    let light = builder.material(Material::glowing(Vec3::ONE));
+    let half = DAffine3::from_translation(DVec3::new(-50.0, 0.0, -3.0))
+        * DAffine3::from_quat(DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2))
+        * DAffine3::from_scale(DVec3::new(50.0, 1.0, 50.0));
+    builder.shape(Shape::Rectangle, half, light).unwrap();
+    builder.bounces(24).unwrap();
+    let scene = builder.build().unwrap();
+
+    let angle = 50_f64.to_radians();
+    let inside = (angle.sin() / ior).asin();
+    let moved = thickness * (angle - inside).sin() / inside.cos() / angle.cos();
+    // A ray that would reach x at the wall; the pane moves it back by `moved`
+    let at = |x: f64| {
+        let direction = DVec3::new(angle.sin(), 0.0, -angle.cos());
+        let wall = DVec3::new(x, 0.0, -3.0);
+        let origin = wall - direction * (6.0 / angle.cos());
+        mean(&scene, &Ray::new(origin, direction), 3000)
+    };
+    // Reflections inside leave the pane 2 t tan r further on each time: sum up those that still meet the lit side
+    let once = f64::from(fresnel::dielectric(angle.cos() as f32, ior as f32));
+    let step = 2.0 * thickness * inside.tan();
+    let passing = |x: f64| {
+        let terms = (0..12).filter(|n| x - moved + f64::from(*n) * step < 0.0);
+        terms.map(|n| (1.0 - once).powi(2) * once.powi(2 * n)).sum::<f64>()
+    };
+    for x in [moved - 1.0, moved - 0.01, moved + 0.01] {
+        let (found, error) = at(x);
+        let expected = passing(x) as f32;
+        assert!((found.x - expected).abs() <= SIGMAS * error + 1e-4, "{x}: {found} +- {error} instead of {expected}");
+    }
+}
+
+#[test]
+fn an_environment_lights_as_a_sky_of_its_radiance() {
+    let texels = vec![Vec3::new(0.2, 0.5, 0.9); 32 * 16];
+    let mut builder = SceneBuilder::new();
+    let white = builder.material(Material::matte(Vec3::splat(0.5)));
+    builder.shape(Shape::Sphere, DAffine3::IDENTITY, white).unwrap();
+    builder.environment(Environment::new(32, 16, texels, 0.0).unwrap());
+    let scene = builder.build().unwrap();
+    assert_eq!(scene.needs(), ["environment map"]);
+    let (mean, error) = mean(&scene, &Ray::new(DVec3::new(0.2, 0.3, 4.0), DVec3::NEG_Z), 3000);
+    let expected = 0.5 * Vec3::new(0.2, 0.5, 0.9);
+    assert!((mean - expected).abs().max_element() < SIGMAS * error + 1e-4, "{mean} +- {error}");
+    // A miss sees it
+    assert!((scene.radiance(&Ray::new(3.0 * DVec3::Z, DVec3::Z)) - 2.0 * expected).abs().max_element() < 1e-6);
+}
+
+#[test]
+fn a_small_bright_spot_of_an_environment_is_found() {
+    // The spot holds nearly all light: asked for, the error is small; met by chance it would be seen once in 2,000 paths
+    let (width, height) = (64, 32);
+    let mut texels = vec![Vec3::splat(0.01); width * height];
+    texels[6 * width + 20] = Vec3::splat(4000.0);
+    let environment = Environment::new(width, height, texels, 0.0).unwrap();
+    let mut builder = SceneBuilder::new();
+    let white = builder.material(Material::matte(Vec3::ONE));
+    builder.shape(Shape::Plane, DAffine3::IDENTITY, white).unwrap();
+    builder.environment(environment);
+    builder.bounces(1).unwrap();
+    let scene = builder.build().unwrap();
+    let (mean, error) = mean(&scene, &Ray::new(DVec3::new(0.0, 1.0, 1.0), DVec3::new(0.0, -1.0, -1.0)), 20_000);
+    assert!(error < 0.02 * mean.x, "{mean} +- {error}");
+}
+
+/// One wall of two triangles with coordinates from 0 to 1, and what `finish` says.
+fn wall(finish: Finish, color: Vec3) -> SceneBuilder {
+    let mut builder = SceneBuilder::new();
+    let paint = builder.finished(Material::matte(color), finish);
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let vertices = corners.map(|(x, y)| DVec3::new(x, y, 0.0));
+    let uv = corners.map(|(x, y)| Vec2::new(x as f32, 1.0 - y as f32));
+    let triangles = [[0, 1, 2], [0, 2, 3]];
+    let uvs = triangles.map(|corners| corners.map(|i| uv[i as usize]));
+    let detail = Arc::new(MeshDetail { uvs: [uvs.to_vec(), Vec::new()], ..MeshDetail::default() });
+    builder.detailed_mesh(&vertices, &triangles, |_| paint, DAffine3::IDENTITY, &detail).unwrap();
+    builder.light(Light::Ambient { strength: Vec3::ONE });
+    builder.sky(Vec3::new(0.0, 0.0, 1.0));
+    builder
+}
+
+fn striped(alpha: [f32; 2]) -> TextureMap {
+    let texels = [[1.0, 0.0, 0.0, alpha[0]], [0.0, 1.0, 0.0, alpha[1]]];
+    TextureMap::new(Arc::new(Texture::from_linear(2, 1, &texels).unwrap()))
+}
+
+fn toward(x: f64) -> Ray {
+    Ray::new(DVec3::new(x, 0.5, 2.0), DVec3::NEG_Z)
+}
+
+#[test]
+fn textures_colour_and_masks_are_holes_for_light_depth_and_shadow() {
+    let finish = Finish { color_map: Some(striped([1.0; 2])), ..Finish::default() };
+    let scene = wall(finish, Vec3::splat(0.5)).build().unwrap();
+    assert_eq!((scene.radiance(&toward(0.25)), scene.radiance(&toward(0.75))), (0.5 * Vec3::X, 0.5 * Vec3::Y));
+    assert_eq!(scene.needs(), ["textured material"]);
+
+    let finish = Finish { color_map: Some(striped([1.0, 0.0])), alpha: Alpha::Mask(0.5), ..Finish::default() };
+    let scene = wall(finish, Vec3::ONE).build().unwrap();
+    assert_eq!((scene.radiance(&toward(0.25)), scene.radiance(&toward(0.75))), (Vec3::X, Vec3::Z));
+    assert!(scene.hit(&toward(0.25)).is_some() && scene.hit(&toward(0.75)).is_none());
+    assert!(scene.is_blocked(&toward(0.25), 9.0) && !scene.is_blocked(&toward(0.75), 9.0));
+    assert!(!scene.is_blocked(&toward(0.25), 1.5));
+
+    // And a sun through the hole lights the floor behind
+    let finish = Finish { color_map: Some(striped([1.0, 0.0])), alpha: Alpha::Mask(0.5), ..Finish::default() };
+    let mut builder = wall(finish, Vec3::ONE);
+    let white = builder.material(Material::matte(Vec3::ONE));
+    let back = DAffine3::from_translation(DVec3::new(0.0, 0.0, -1.0))
+        * DAffine3::from_quat(DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2));
+    builder.shape(Shape::Plane, back, white).unwrap();
+    builder.light(Light::sun(DVec3::Z, Vec3::ONE).unwrap());
+    let scene = builder.build().unwrap();
+    let behind = |x: f64| scene.radiance(&Ray::new(DVec3::new(x, 0.5, -0.5), DVec3::NEG_Z)).x;
+    assert_eq!((behind(0.25), behind(0.75)), (1.0, 2.0));
+}
+
+#[test]
+fn what_covers_half_lets_half_through() {
+    let finish = Finish { alpha: Alpha::Blend, opacity: 0.25, ..Finish::default() };
+    let mut builder = wall(finish, Vec3::X);
+    let white = builder.material(Material::matte(Vec3::ONE));
+    let back = DAffine3::from_translation(DVec3::new(0.0, 0.0, -1.0))
+        * DAffine3::from_quat(DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2));
+    builder.shape(Shape::Plane, back, white).unwrap();
+    builder.light(Light::sun(DVec3::Z, Vec3::ONE).unwrap());
+    let scene = builder.build().unwrap();
+    // A quarter of what is lit by 2; behind it ambient light and three quarters of the sun
+    let (mean, error) = mean(&scene, &toward(0.5), 4000);
+    let expected = Vec3::new(0.25 * 2.0 + 0.75 * 1.75, 0.75 * 1.75, 0.75 * 1.75);
+    assert!((mean - expected).abs().max_element() < SIGMAS * error, "{mean} +- {error} instead of {expected}");
+    // It does not count in depth
+    assert!((scene.hit(&toward(0.5)).unwrap().t - 3.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_point_light_falls_off_and_keeps_to_its_cone() {
+    let mut builder = SceneBuilder::new();
+    let white = builder.material(Material::matte(Vec3::ONE));
+    builder.shape(Shape::Plane, DAffine3::IDENTITY, white).unwrap();
+    let cone = Cone::new(DVec3::NEG_Y, 0.2, 0.4).unwrap();
+    builder.light(Light::Point { at: 2.0 * DVec3::Y, strength: Vec3::splat(4.0), cone: Some(cone) });
+    let scene = builder.build().unwrap();
+    let at = |x: f64| scene.radiance(&Ray::new(DVec3::new(x, 1.0, 0.0), DVec3::NEG_Y)).x;
+    assert!((at(0.0) - 1.0).abs() < 1e-5, "{}", at(0.0));
+    // cos^3 / h^2 within the inner cone, nothing beyond the outer one
+    let x = 2.0 * 0.15_f64.tan();
+    assert!((f64::from(at(x)) - 0.15_f64.cos().powi(3)).abs() < 1e-5);
+    let between = at(2.0 * 0.3_f64.tan());
+    assert!(between > 0.0 && between < 0.9 * 0.3_f32.cos().powi(3));
+    assert_eq!(at(2.0 * 0.41_f64.tan()), 0.0);
+}
+
+#[test]
+fn textured_scenes_without_bounces_look_as_the_base_shading() {
+    // The same scene twice: one of them traced ray by ray, for a white texture
+    let build = |finish: Finish| {
+        let mut builder = wall(finish, Vec3::new(0.8, 0.5, 0.3));
+        let floor = builder.material(Material::matte(Vec3::splat(0.6)));
+        builder.shape(Shape::Plane, DAffine3::from_translation(-0.1 * DVec3::Y), floor).unwrap();
+        builder.light(Light::sun(DVec3::new(0.3, 1.0, -0.5), Vec3::new(0.9, 0.8, 0.7)).unwrap());
+        builder.build().unwrap()
+    };
+    let white = TextureMap::new(Arc::new(Texture::from_linear(1, 1, &[[1.0; 4]]).unwrap()));
+    let [plain, textured] = [Finish::default(), Finish { color_map: Some(white), ..Finish::default() }].map(build);
+    assert!(plain.needs().is_empty() && !textured.needs().is_empty());
+    for i in 0..400 {
+        let place = DVec3::new(f64::from(i % 20) / 8.0 - 0.7, f64::from(i / 20) / 12.0 - 0.6, 0.0);
+        let eye = DVec3::new(0.5, 1.0, 3.0);
+        let ray = Ray::new(eye, place - eye);
+        let (a, b) = (plain.radiance(&ray), textured.radiance(&ray));
+        // f32 rounding
+        assert!((a - b).abs().max_element() < 1e-5, "{place}: {a} {b}");
+    }
+}
