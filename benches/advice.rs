@@ -1,5 +1,11 @@
-//! Whether advice is good: every shot at two sizes, every rung run, and what was forecast of each:
-//! `cargo bench --bench advice -- SCENE [SHOT] [SAMPLES]` prints a line of CSV for each rung.
+//! Whether advice is good: every shot at two sizes, every rung run, and what was forecast of each.
+//!
+//! `cargo bench --bench advice -- SCENE [SHOT|all] [SAMPLES]` prints a line of CSV for each rung, with SAMPLES (0: none, only
+//! forecasts) in the truth; `cargo bench --bench advice -- table FILE.csv` reads them again and says how often advice keeps
+//! its word, and what it costs.
+
+#[path = "advice/table.rs"]
+mod table;
 
 use std::path::Path;
 
@@ -20,6 +26,9 @@ fn main() {
     // `cargo bench` passes --bench along
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
     let scene = words.first().map_or("simple", String::as_str);
+    if let ("table", Some(file)) = (scene, words.get(1)) {
+        return table::print(Path::new(file));
+    }
     let samples: u32 = words.get(2).and_then(|word| word.parse().ok()).unwrap_or(4096);
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("data/scenes/{scene}.toml"));
     let file = SceneFile::open(&file).expect("a scene of the project");
@@ -44,11 +53,14 @@ fn main() {
 /// Forecast and truth of every rung.
 fn case(scene: &trace::Scene, camera: &Camera, samples: u32, folder: &Path) -> Vec<String> {
     let window = PixelWindow::of_size(camera.film.width(), camera.film.height());
-    let truth = trace::truth(scene, camera, window, samples, SEEDS[0], &Silent).expect("a truth");
     let settings = LayerSettings { seed: SEEDS[1], ..LayerSettings::default() };
     let frame = trace::layers(scene, camera, &settings, &Silent).expect("a frame").frame;
     let evidence = Evidence { scene: Some(scene), camera, frame: &frame, seed: SEEDS[2] };
     let forecasts = forecasts(&evidence, true, &Silent).expect("forecasts");
+    if samples == 0 {
+        return forecasts.iter().map(|forecast| line(forecast, [f64::NAN; 3])).collect();
+    }
+    let truth = trace::truth(scene, camera, window, samples, SEEDS[0], &Silent).expect("a truth");
     let rungs: Vec<_> = forecasts.iter().map(|forecast| forecast.rung).collect();
     let subject = Subject { scene, camera, frame: &frame, seed: SEEDS[2], folder };
     // What takes long scatters less
@@ -60,16 +72,14 @@ fn case(scene: &trace::Scene, camera: &Camera, samples: u32, folder: &Path) -> V
     let lines = forecasts.iter().zip(&measured).map(|(forecast, measured)| {
         let comparison = Comparison::new(&reference, &measured.picture, &masks).expect("pictures of one window");
         let error = study::PointError::from(&comparison);
-        format!(
-            "{},{:.5},{:.5},{:.6},{:.6},{:.5},{:.5}",
-            forecast.rung.name(),
-            forecast.seconds,
-            measured.kernel.median(),
-            forecast.error.rmse,
-            error.all.rmse,
-            forecast.error.hdr_flip.unwrap_or(f64::NAN),
-            error.flip_hdr,
-        )
+        line(forecast, [measured.kernel.median(), error.all.rmse, error.flip_hdr])
     });
     lines.collect()
+}
+
+/// What was forecast of a rung, and what was measured: seconds, RMS error, HDR-FLIP.
+fn line(forecast: &study::Forecast, [seconds, rmse, flip]: [f64; 3]) -> String {
+    let forecast_flip = forecast.error.hdr_flip.unwrap_or(f64::NAN);
+    let (name, expected) = (forecast.rung.name(), forecast.error.rmse);
+    format!("{name},{:.5},{seconds:.5},{expected:.6},{rmse:.6},{forecast_flip:.5},{flip:.5}", forecast.seconds)
 }

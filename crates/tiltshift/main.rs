@@ -55,6 +55,8 @@ enum Command {
     Causes(command::causes::Options),
     /// Say which method is the cheapest that comes within a tolerance.
     Advise(command::advise::Options),
+    /// Score pictures of any program against the truths of the benchmark.
+    Benchmark(command::benchmark::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.
     Demo(command::demo::Options),
     Completions(command::completions::Options),
@@ -105,6 +107,7 @@ fn run(command: Command) -> Outcome {
         Command::Stability(options) => command::stability::run(&options),
         Command::Causes(options) => command::causes::run(&options),
         Command::Advise(options) => command::advise::run(&options),
+        Command::Benchmark(options) => command::benchmark::run(&options),
         Command::Demo(options) => command::demo::run(&options),
         Command::Completions(options) => command::completions::run(&options, &mut Cli::command()),
         Command::Man(options) => command::man::run(&options, &Cli::command()),

@@ -50,6 +50,18 @@ pub enum StudyError {
         /// How much finer.
         fine: u32,
     },
+    /// A benchmark's file is not one.
+    #[error("{why}")]
+    Benchmark {
+        /// What is wrong, and where.
+        why: String,
+    },
+    /// Nothing tells what camera took a frame.
+    #[error("the frame does not say what camera took it")]
+    NoCamera,
+    /// The tracer has nothing to trace.
+    #[error("without a scene nothing can be traced")]
+    NoScene,
     /// Stopped from outside.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -1,5 +1,8 @@
 //! Experiments that need both sides: what each further second buys.
 //!
+//! [`forecasts`] tells from a few cheap runs what every rung would cost and how wrong it would be, and [`choose`] names the
+//! cheapest that is within a [`Tolerance`].
+//!
 //! Here alone (and in the command line) the tracer and the filter meet. [`measure`] runs every [`Rung`] of the ladder on
 //! this machine, and a [`Chart`] places them by [`Timing`] and error, with the Pareto [`frontier`] drawn and each dominated
 //! method named.
@@ -14,6 +17,7 @@
 //! ```
 
 mod advice;
+mod benchmark;
 mod causes;
 mod chart;
 mod chart_svg;
@@ -33,7 +37,10 @@ mod stability;
 mod step;
 mod timing;
 
-pub use advice::{Choice, Evidence, ExpectedError, Forecast, Tolerance, choose, forecasts};
+pub use advice::{
+    Choice, Evidence, ExpectedError, Forecast, Tolerance, choose, error_of_filtered, forecasts, is_trusted_within,
+};
+pub use benchmark::{BENCHMARK_FORMAT, Benchmark, Case, Score, checksum, score};
 pub use causes::{CAUSES_FORMAT, Cause, CauseShare, Causes, CausesReport, CausesSettings, Shares, Verdict, causes};
 pub use chart::{CHART_FORMAT, Chart, Clock, Conditions, Point, PointError, RmsError};
 pub use error::StudyError;

@@ -4,17 +4,23 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use ::filter::Method;
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use optics::Camera;
-use rgbd::{Frame, PixelWindow, ReadOptions, read_frame};
+use rgbd::{Frame, PixelWindow, ReadOptions};
 use serde_json::json;
 use study::{Choice, Evidence, Forecast, Rung, Tolerance, choose, forecasts};
 use trace::{LayerSettings, SceneFile};
 
+use crate::command::filter::Source;
+use crate::command::filter::aim::{self, Taken};
+use crate::command::filter::input::{self, Input};
+use crate::command::filter::job::{Job, Say};
 use crate::command::render::say_layers;
 use crate::console::{Bar, print, say};
 use crate::failure::{Failure, Outcome};
+use crate::lens_options::{FilmOptions, LensOptions};
+use crate::read_arguments::ReadArguments;
 use crate::values::{Size, positive};
 
 /// Say which method is the cheapest that comes within a tolerance.
@@ -22,12 +28,13 @@ use crate::values::{Size, positive};
 /// A few cheap runs (the filter with its own prediction of its error, a trace of few samples) tell what every method would
 /// cost on this machine and how wrong it would be; the cheapest that is expected to be within the tolerance is named, with
 /// the reason. Of a scene the tracer and the hybrid are methods too, and the time to trace colour and depth for the filter is
-/// in no method's time, as if the frame were there already; of an RGB-D picture of `tiltshift render` only the filter's.
+/// in no method's time, as if the frame were there already; of a picture with depth, read as `tiltshift filter` reads it, only
+/// the filter's.
 /// Exit code 1: nothing is expected to be within the tolerance.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub(crate) struct Options {
-    /// Scene file (TOML), or an RGB-D picture that knows its camera.
+    /// Scene file (TOML), or a picture with depth: OpenEXR, or a photo with --depth FILE.
     input: PathBuf,
     /// Shot to take; the scene's own camera without.
     #[arg(long, value_name = "NAME")]
@@ -50,6 +57,13 @@ pub(crate) struct Options {
     /// Seed of the samples.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+
+    #[command(flatten)]
+    lens: LensOptions,
+    #[command(flatten)]
+    film: FilmOptions,
+    #[command(flatten)]
+    read: ReadArguments,
 }
 
 /// What is looked at.
@@ -88,10 +102,13 @@ pub(crate) fn run(options: &Options) -> Outcome {
 fn subject(options: &Options) -> anyhow::Result<Subject> {
     let is_scene = options.input.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     if !is_scene {
-        let frame = read_frame(&options.input, &ReadOptions::default())?.value;
-        let camera = frame.camera.ok_or_else(|| anyhow!("{:?} does not say what camera took it", options.input))?;
-        let display = frame.display;
-        return Ok(Subject { scene: None, camera, frame: frame.covering(display), frame_seconds: None });
+        return of_picture(options);
+    }
+    if options.lens.is_given() {
+        bail!(
+            "{:?} is a scene, whose shot says what lens it has; leave out the options of lens and focus",
+            options.input
+        );
     }
     let file = SceneFile::open(&options.input)?;
     let shot = file.shot(options.shot.as_deref())?;
@@ -110,6 +127,27 @@ fn subject(options: &Options) -> anyhow::Result<Subject> {
     let frame_seconds = Some(started.elapsed().as_secs_f64());
     say_layers(&layered);
     Ok(Subject { camera, frame: layered.frame, scene: Some(file), frame_seconds })
+}
+
+/// The frame of a file, and the lens that was asked for.
+fn of_picture(options: &Options) -> anyhow::Result<Subject> {
+    options.film.check()?;
+    options.lens.check()?;
+    let job = Job {
+        input: options.input.clone(),
+        depth: options.read.depth_file(),
+        output: PathBuf::new(),
+        png: None,
+        overlay: None,
+        lens: options.lens.clone(),
+    };
+    let source = Source { film: &options.film, read: &options.read };
+    let say: Say<'_> = &|line| say(line);
+    let Input { frame, lens: attributes, .. } = input::read(&job, &source, say)?;
+    let display = frame.display;
+    let frame = frame.covering(display);
+    let Taken { camera, .. } = aim::camera(&job, &source, &frame, &attributes, say)?;
+    Ok(Subject { scene: None, camera, frame, frame_seconds: None })
 }
 
 /// The tolerance and the budget in words.
@@ -135,7 +173,12 @@ fn print_text(options: &Options, subject: &Subject, all: &[Forecast], choice: &C
     let expected = tolerance.text_of(&chosen.error);
     let kernel = chosen.kernel.map(|kernel| format!(", {kernel} footprint")).unwrap_or_default();
     let verdict = if choice.is_within { "expected to be within" } else { "the nearest, but not expected to be within" };
-    print(format_args!("{}{kernel}: {expected} in {:.3} s, {verdict} {}", chosen.rung.name(), chosen.seconds, bounds(options)));
+    print(format_args!(
+        "{}{kernel}: {expected} in {:.3} s, {verdict} {}",
+        chosen.rung.name(),
+        chosen.seconds,
+        bounds(options)
+    ));
     print(match (choice.cheaper, choice.is_limited_by_budget) {
         (_, true) => "what would be within it takes longer than the budget".to_owned(),
         (Some(other), _) => format!(
@@ -146,7 +189,8 @@ fn print_text(options: &Options, subject: &Subject, all: &[Forecast], choice: &C
         ),
         (None, _) => "nothing is cheaper".to_owned(),
     });
-    let frame = subject.frame_seconds.map(|seconds| format!("; colour and depth took {seconds:.2} s")).unwrap_or_default();
+    let frame =
+        subject.frame_seconds.map(|seconds| format!("; colour and depth took {seconds:.2} s")).unwrap_or_default();
     say(format_args!("found out in {seconds:.2} s{frame}"));
     say(format_args!("run: {}", command(options, &chosen.rung)));
 }

@@ -1,24 +1,26 @@
 //! `tiltshift filter`: the lens put onto an RGB-D picture.
 
-mod aim;
-mod input;
-mod job;
+pub(super) mod aim;
+pub(super) mod input;
+pub(super) mod job;
 mod method;
 mod overlay;
 mod result;
 mod sequence;
+mod tolerance;
 
 use std::path::PathBuf;
 
 use anyhow::{Context, anyhow};
 use clap::Args;
 use optics::{Camera, ThinLens};
+use study::Tolerance;
 
 use self::job::{Job, Shown};
 use self::method::{HighlightOptions, MethodOptions};
 use self::sequence::Sequence;
 use crate::console::{print, say};
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use crate::files::Packing;
 use crate::focus_keys::{Between, FocusKeys};
 use crate::lens_options::{FilmOptions, LensOptions};
@@ -64,6 +66,11 @@ pub(crate) struct Options {
     /// merged and lens-rays).
     #[arg(long)]
     predicted_error: bool,
+    /// How wrong the picture may be: psnr=40dB, rmse=0.01 or hdr-flip=0.02, over the whole picture, linear values. The method
+    /// predicts its own error; where that is too large, lens rays are tried too, and exit code 1 says that even they are not
+    /// surely within it (methods gather, merged and lens-rays).
+    #[arg(long, value_name = "FIGURE=VALUE")]
+    tolerance: Option<Tolerance>,
     /// Exposure in stops of PNG, JPEG, TIFF, HDR and PFM; an OpenEXR result keeps its light.
     #[arg(long, value_name = "STOPS", value_parser = stops, allow_negative_numbers = true, default_value_t = 0.0)]
     exposure: f32,
@@ -111,6 +118,13 @@ struct SequenceOptions {
     keys: Between,
 }
 
+/// What tells how a picture is read and what its camera sees.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub(crate) film: &'a FilmOptions,
+    pub(crate) read: &'a ReadArguments,
+}
+
 /// Filters what was asked for.
 pub(crate) fn run(options: &Options) -> Outcome {
     options.film.check()?;
@@ -137,7 +151,10 @@ pub(crate) fn run(options: &Options) -> Outcome {
     if options.json {
         print(serde_json::to_string(&report).context("the report makes no JSON")?);
     }
-    Ok(())
+    match report.missed() {
+        Some(promise) => Err(Failure::Exceeded(format!("{}: {promise}", job.output.display()))),
+        None => Ok(()),
+    }
 }
 
 /// Sensor size in mm that the window stands for at the lens's image distance.

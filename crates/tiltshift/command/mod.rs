@@ -1,6 +1,7 @@
 //! One file per subcommand.
 
 pub(crate) mod advise;
+pub(crate) mod benchmark;
 pub(crate) mod causes;
 pub(crate) mod chart;
 pub(crate) mod compare;

@@ -6,7 +6,7 @@ mod forecast;
 mod pilot;
 mod tolerance;
 
-pub use choice::{Choice, choose};
+pub use choice::{Choice, choose, is_trusted_within};
 pub use forecast::{ExpectedError, Forecast};
-pub use pilot::{Evidence, forecasts};
+pub use pilot::{Evidence, error_of_filtered, forecasts};
 pub use tolerance::Tolerance;

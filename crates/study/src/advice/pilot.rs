@@ -14,12 +14,12 @@
 use std::time::Instant;
 
 use compare::mean_flip_hdr;
-use filter::{FrameView, GatherSettings, Method, PredictedError};
+use filter::{Filtered, FrameView, GatherSettings, Method, PredictedError};
 use optics::{Camera, KernelModel};
 use rgbd::{Frame, Picture, PixelWindow, Plane, Progress};
 use trace::{Pixels, Scene};
 
-use crate::hybrid::{samples_of, trace_weight, widened};
+use crate::hybrid::{hybrid, samples_of, trace_weight, widened};
 use crate::{ExpectedError, Forecast, HybridSettings, Rung, StudyError, step::Step};
 
 /// Samples in each half of the pilot's trace of a picture of less than so many pixels.
@@ -36,7 +36,7 @@ const TRACES: [u32; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
 const HYBRIDS: [f32; 5] = [0.04, 0.02, 0.01, 0.005, 0.0025];
 
 /// Time of the merged gather without a prediction over that with one.
-const UNPREDICTED: f64 = 0.7;
+const UNPREDICTED: f64 = 0.5;
 
 /// What the advice is about.
 #[derive(Debug, Clone, Copy)]
@@ -91,7 +91,8 @@ pub fn forecasts(evidence: &Evidence, with_flip: bool, progress: &dyn Progress) 
     let own = evidence.run(Method::OwnCoc(plain(1)), &step(1))?;
     let own_error = rms(&predicted.total);
     let own_flip = flip(&merged.picture, &off_by(&merged.picture, predicted))?;
-    for (method, run) in [(Method::Pinhole, evidence.run(Method::Pinhole, &step(1))?), (Method::OwnCoc(plain(1)), own)] {
+    for (method, run) in [(Method::Pinhole, evidence.run(Method::Pinhole, &step(1))?), (Method::OwnCoc(plain(1)), own)]
+    {
         let rmse = difference(&run.picture, &merged.picture, display).hypot(own_error);
         let hdr_flip = flip(&merged.picture, &run.picture)?.zip(own_flip).map(|(flip, own)| flip.hypot(own));
         all.push(run.forecast(method, ExpectedError { rmse, hdr_flip }));
@@ -119,7 +120,32 @@ pub fn forecasts(evidence: &Evidence, with_flip: bool, progress: &dyn Progress) 
     Ok(all)
 }
 
+/// The error that a filtered picture predicts of itself; `None` if it was not asked to. HDR-FLIP where it is wanted.
+pub fn error_of_filtered(filtered: &Filtered, with_flip: bool) -> Result<Option<ExpectedError>, StudyError> {
+    let Some(predicted) = &filtered.predicted_error else { return Ok(None) };
+    let off = || off_by(&filtered.picture, predicted);
+    let window = predicted.total.window();
+    let hdr_flip = with_flip.then(|| mean_flip_hdr(&filtered.picture, &off(), window)).transpose()?;
+    Ok(Some(ExpectedError { rmse: rms(&predicted.total), hdr_flip }))
+}
+
 impl Evidence<'_> {
+    /// The picture of a rung over the display window; the tracer's need a scene.
+    pub fn picture(&self, rung: &Rung, progress: &dyn Progress) -> Result<Picture, StudyError> {
+        match (rung, self.scene) {
+            (Rung::Filter(method), _) => Ok(self.run(*method, progress)?.picture),
+            (Rung::Hybrid(settings), Some(scene)) => {
+                Ok(hybrid(scene, self.camera, self.frame, settings, progress)?.picture)
+            }
+            (Rung::Trace { samples }, Some(scene)) => {
+                let pixels = self.frame.display.into();
+                let sums = trace::render(scene, self.camera, &pixels, 0..samples.div_ceil(2), self.seed, progress)?;
+                Ok(sums.picture())
+            }
+            (_, None) => Err(StudyError::NoScene),
+        }
+    }
+
     fn run(&self, method: Method, progress: &dyn Progress) -> Result<Run, StudyError> {
         let started = Instant::now();
         let display = self.frame.display;

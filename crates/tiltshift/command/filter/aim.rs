@@ -4,22 +4,22 @@ use anyhow::{anyhow, bail};
 use optics::{Camera, Pose, ThinLens};
 use rgbd::{Frame, LensAttributes, PixelWindow};
 
-use super::Options;
+use super::Source;
 use super::job::{Job, Say};
 use crate::focus_wish::Seen;
 use crate::lens_options::{Chosen, FilmOptions};
 use crate::values::Pixel;
 
 /// The camera to filter with, and its lens where one was made.
-pub(super) struct Taken {
-    pub(super) camera: Camera,
-    pub(super) lens: Option<ThinLens>,
+pub(in crate::command) struct Taken {
+    pub(in crate::command) camera: Camera,
+    pub(in crate::command) lens: Option<ThinLens>,
 }
 
 /// The frame's own camera, or the lens that the options ask for on what the picture sees.
-pub(super) fn camera(
+pub(in crate::command) fn camera(
     job: &Job,
-    options: &Options,
+    options: &Source<'_>,
     frame: &Frame,
     attributes: &LensAttributes,
     say: Say<'_>,
@@ -132,7 +132,7 @@ fn depth_in_units(frame: &Frame, pixel: Pixel) -> anyhow::Result<f64> {
 }
 
 /// Says what the lens does.
-pub(super) fn describe(camera: &Camera, lens: Option<&ThinLens>, verbose: bool, say: Say<'_>) {
+pub(in crate::command) fn describe(camera: &Camera, lens: Option<&ThinLens>, verbose: bool, say: Say<'_>) {
     if let Some(lens) = lens {
         let [tilt, swing] = [lens.tilt(), lens.swing()].map(f64::to_degrees);
         let (focal_length, f_number) = (lens.focal_length() * 1e3, lens.f_number());

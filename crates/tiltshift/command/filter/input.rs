@@ -10,20 +10,20 @@ use rgbd::{
     read_photo, read_picture, survey_file,
 };
 
-use super::Options;
+use super::Source;
 use super::job::{Job, Say};
 
 /// What was read.
-pub(super) struct Input {
-    pub(super) frame: Frame,
+pub(in crate::command) struct Input {
+    pub(in crate::command) frame: Frame,
     /// What the file says of lens and sensor.
-    pub(super) lens: LensAttributes,
+    pub(in crate::command) lens: LensAttributes,
     /// How it is stored, where it is a photo.
-    pub(super) encoding: Option<Encoding>,
+    pub(in crate::command) encoding: Option<Encoding>,
 }
 
 /// Reads colour and depth, and says what was understood.
-pub(super) fn read(job: &Job, options: &Options, say: Say<'_>) -> anyhow::Result<Input> {
+pub(in crate::command) fn read(job: &Job, options: &Source<'_>, say: Say<'_>) -> anyhow::Result<Input> {
     let (input, max_pixels) = (&job.input, options.read.max_pixels());
     match (PhotoFormat::of_file(input)?, &job.depth) {
         (None, None) => read_rgbd(job, options, say),
@@ -64,7 +64,7 @@ pub(super) fn read(job: &Job, options: &Options, say: Say<'_>) -> anyhow::Result
 }
 
 /// An OpenEXR file that holds both.
-fn read_rgbd(job: &Job, options: &Options, say: Say<'_>) -> anyhow::Result<Input> {
+fn read_rgbd(job: &Job, options: &Source<'_>, say: Say<'_>) -> anyhow::Result<Input> {
     // Rays need the film before the depth makes sense
     let survey = survey_file(&job.input, options.read.max_pixels())?;
     let (width, height, aspect) = (survey.display.width, survey.display.height, f64::from(survey.pixel_aspect));
@@ -81,7 +81,7 @@ fn with_map(
     head: &Head,
     path: &Path,
     film: Option<&Film>,
-    options: &Options,
+    options: &Source<'_>,
     say: Say<'_>,
 ) -> anyhow::Result<Frame> {
     let map = read_depth_map(path, options.read.depth_channel(), options.read.max_pixels())?;
@@ -146,7 +146,7 @@ fn check_shape(path: &Path, map: &DepthMap, display: PixelWindow) -> anyhow::Res
 }
 
 /// What the map's numbers mean; where that is left open, one sentence asks.
-fn meaning(path: &Path, map: &DepthMap, options: &Options) -> anyhow::Result<MapMeaning> {
+fn meaning(path: &Path, map: &DepthMap, options: &Source<'_>) -> anyhow::Result<MapMeaning> {
     let (range, unit) = (options.read.depth_range(), options.film.metres_per_unit);
     let known = map.stored.values().iter().filter(|number| number.is_finite());
     let [least, most] = known.fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &x| [a.min(x), b.max(x)]);

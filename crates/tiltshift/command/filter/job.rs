@@ -8,24 +8,25 @@ use optics::{Camera, ThinLens};
 use rgbd::{Frame, Head, Progress};
 use serde::Serialize;
 
-use super::Options;
 use super::aim::{Taken, camera, describe};
 use super::input::{Input, read};
 use super::result::{Made, check_output, write};
+use super::tolerance::{Promise, within};
+use super::{Options, Source};
 use crate::console::{Bar, Unseen};
 use crate::files::{make_folder_of, refuse_overwriting};
 use crate::lens_options::LensOptions;
 
 /// What one picture needs besides the options that all share.
 #[derive(Debug, Clone)]
-pub(super) struct Job {
-    pub(super) input: PathBuf,
+pub(in crate::command) struct Job {
+    pub(in crate::command) input: PathBuf,
     /// The file of the depth map.
-    pub(super) depth: Option<PathBuf>,
-    pub(super) output: PathBuf,
-    pub(super) png: Option<PathBuf>,
-    pub(super) overlay: Option<PathBuf>,
-    pub(super) lens: LensOptions,
+    pub(in crate::command) depth: Option<PathBuf>,
+    pub(in crate::command) output: PathBuf,
+    pub(in crate::command) png: Option<PathBuf>,
+    pub(in crate::command) overlay: Option<PathBuf>,
+    pub(in crate::command) lens: LensOptions,
 }
 
 /// How progress is shown.
@@ -53,6 +54,9 @@ pub(super) struct Report {
     /// On the optical axis; none where the plane of focus is behind the camera there, or at infinity.
     focus_m: Option<f64>,
     filter_seconds: f64,
+    /// What is expected of the picture, where a tolerance was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    promise: Option<Promise>,
 }
 
 impl Report {
@@ -71,12 +75,18 @@ impl Report {
             swing_deg: lens.map(|lens| lens.swing().to_degrees()),
             focus_m: finite(lens.and_then(|lens| lens.focus().depth(glam::DVec2::ZERO))),
             filter_seconds,
+            promise: None,
         }
+    }
+
+    /// What is expected of a picture that is not surely within its tolerance.
+    pub(super) fn missed(&self) -> Option<String> {
+        self.promise.as_ref().filter(|promise| !promise.is_within).map(Promise::text)
     }
 }
 
 /// Takes a line for the user.
-pub(super) type Say<'a> = &'a dyn Fn(std::fmt::Arguments<'_>);
+pub(in crate::command) type Say<'a> = &'a dyn Fn(std::fmt::Arguments<'_>);
 
 impl Job {
     /// Reads, filters and writes.
@@ -88,14 +98,15 @@ impl Job {
         say: Say<'_>,
     ) -> anyhow::Result<Report> {
         let highlights = options.highlights.highlights()?;
-        let method = options.method.method(options.predicted_error);
+        let method = options.method.method(options.predicted_error || options.tolerance.is_some());
         self.check(options, &method)?;
 
         // Read the picture and aim the lens
-        let Input { frame, lens: attributes, encoding } = read(self, options, say)?;
+        let source = Source { film: &options.film, read: &options.read };
+        let Input { frame, lens: attributes, encoding } = read(self, &source, say)?;
         let display = frame.display;
         let frame = frame.covering(display);
-        let Taken { camera, lens } = camera(self, options, &frame, &attributes, say)?;
+        let Taken { camera, lens } = camera(self, &source, &frame, &attributes, say)?;
         describe(&camera, lens.as_ref(), options.verbose, say);
         let camera = opened(&camera, options.method.blur_scale)?;
 
@@ -107,16 +118,27 @@ impl Job {
 
         // Filter it
         let started = std::time::Instant::now();
-        let progress: Box<dyn Progress> = match shown {
-            Shown::Bar => Box::new(Bar::new(format!("filter ({})", method.name()))),
-            Shown::Nothing => Box::new(Unseen),
+        let filter = |method: &Method| {
+            let progress: Box<dyn Progress> = match shown {
+                Shown::Bar => Box::new(Bar::new(format!("filter ({})", method.name()))),
+                Shown::Nothing => Box::new(Unseen),
+            };
+            let view = FrameView::whole(&frame);
+            Ok(apply_in_bands(&view, &camera, method, display, memory_limit, progress.as_ref())?)
         };
-        let filtered =
-            apply_in_bands(&FrameView::whole(&frame), &camera, &method, display, memory_limit, progress.as_ref())?;
-        drop(progress);
+        let (method, filtered, promise) = match options.tolerance {
+            None => (method, filter(&method)?, None),
+            Some(tolerance) => {
+                let (method, filtered, promise) = within(method, tolerance, filter, say)?;
+                (method, filtered, Some(promise))
+            }
+        };
         let seconds = started.elapsed().as_secs_f64();
         tell(&filtered, &method, seconds, options.verbose, say);
-        let report = Report::new(self, &method, &filtered, lens.as_ref(), seconds);
+        if let Some(promise) = promise.as_ref().filter(|promise| promise.is_within) {
+            say(format_args!("  {}", promise.text()));
+        }
+        let report = Report { promise, ..Report::new(self, &method, &filtered, lens.as_ref(), seconds) };
 
         // Write what came out; the frame makes room for the file
         let coc = (options.coc || self.overlay.is_some())
@@ -146,8 +168,12 @@ impl Job {
         for output in outputs {
             make_folder_of(output)?;
         }
-        if options.predicted_error && matches!(method, Method::Pinhole | Method::OwnCoc(_)) {
-            bail!("--predicted-error is known for gather, merged and lens-rays only, not for {}", method.name());
+        let wants_error =
+            [("--predicted-error", options.predicted_error), ("--tolerance", options.tolerance.is_some())];
+        if let (Some((option, _)), Method::Pinhole | Method::OwnCoc(_)) =
+            (wants_error.into_iter().find(|(_, wanted)| *wanted), method)
+        {
+            bail!("{option} is known for gather, merged and lens-rays only, not for {}", method.name());
         }
         Ok(())
     }

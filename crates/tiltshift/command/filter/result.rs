@@ -58,7 +58,7 @@ pub(super) fn write(job: &Job, options: &Options, made: Made<'_>, say: Say<'_>) 
             let input = ("input", job.input.display().to_string());
             let notes = notes([("method", method.name().to_owned()), kernel, input]);
             let sensor_mm = lens.map(|lens| sensor_mm(camera, lens));
-            let error = filtered.predicted_error.as_ref().map(|error| &error.total);
+            let error = filtered.predicted_error.as_ref().filter(|_| options.predicted_error).map(|error| &error.total);
             let planes = [("coc", coc.as_ref().filter(|_| options.coc)), ("predicted_error", error)];
             let planes: Vec<_> = planes.into_iter().filter_map(|(name, plane)| Some((name, plane?))).collect();
             let written = write_options(options.compression, lens, sensor_mm, notes);

@@ -186,7 +186,12 @@ fn tell(sequence: &Sequence, fates: &BTreeMap<i64, Fate>, seconds: f64) -> Outco
     if !sequence.missing.is_empty() {
         summary = format!("{summary}; {} missing: frames {}", sequence.missing.len(), in_words(&sequence.missing));
     }
-    let is_incomplete = !failed.is_empty() || (sequence.are_named && !sequence.missing.is_empty());
+    let missed = of(&|fate| matches!(fate, Fate::Written(report) if report.missed().is_some()));
+    if !missed.is_empty() {
+        summary = format!("{summary}; {} not surely within the tolerance: frames {}", missed.len(), in_words(&missed));
+    }
+    let is_incomplete =
+        !missed.is_empty() || !failed.is_empty() || (sequence.are_named && !sequence.missing.is_empty());
     if is_incomplete {
         return Err(Failure::Exceeded(summary));
     }
