@@ -10,8 +10,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use rgbd::{
-    Encoding, Frame, Layer, PhotoFormat, Picture, PixelWindow, Plane, ReadOptions, WriteOptions, read_photo,
-    read_picture, write_frame, write_photo,
+    Encoding, Frame, Head, Layer, PhotoFormat, Picture, PixelWindow, Plane, ReadOptions, WriteOptions, read_photo,
+    read_picture, write_frame, write_photo, write_picture,
 };
 use support::shared;
 use tempfile::TempDir;
@@ -120,11 +120,15 @@ fn a_map_beside_a_photo_is_as_good_as_depth_in_one_file() {
     let path = |name: &str| folder.path().join(name);
     let layer = Layer::from_raw_depth(photo(), Plane::from_fn(SIZE, |x, _| depth(x)));
     write_frame(&path("one.exr"), &Frame::new(SIZE, vec![layer]).unwrap(), &WriteOptions::default()).unwrap();
-    let maps: [&[&str]; 4] = [
+    // Depth three times in an EXR file, as some sensors' programs write it
+    let grey = Picture::from_fn(SIZE, |x, _| [depth(x), depth(x), depth(x), 1.0]);
+    write_picture(&path("grey.exr"), &grey, &Head::new(SIZE), &WriteOptions::default()).unwrap();
+    let maps: [&[&str]; 5] = [
         &["one.exr"],
         &["photo.png", "--depth", "metres.pfm", "--depth-as", "planar"],
         // 51 and 153 of 255 are a fifth and three fifths of 10 m
         &["photo.png", "--depth", "grey.png", "--depth-as", "planar", "--depth-range", "0,10"],
+        &["photo.png", "--depth", "grey.exr", "--depth-as", "planar"],
         // In colour from one EXR, and depth from another file
         &["one.exr", "--depth", "metres.pfm", "--depth-as", "planar"],
     ];

@@ -10,7 +10,7 @@ use crate::presets::{LensPreset, SensorFormat};
 use crate::values::{Pair, Pixel};
 
 /// What the picture shows: the field of view of the camera that rendered it.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Camera (where the file does not tell it)")]
 pub(crate) struct FilmOptions {
     /// Focal length of the lens in mm; with --sensor-width it also gives the field of view.

@@ -12,8 +12,9 @@ use crate::{Focus, OpticsError};
 /// ((1 - 0.1^3)^6000).
 const DRAWS: u32 = 6000;
 
-/// The least share of the samples that must agree.
-const LEAST_SHARE: f64 = 0.1;
+/// How exact depths are taken to be, and the least share of the samples that must agree on a plane then: a renderer's first, and
+/// if there is none those of a sensor or a guess, of which more must agree, since chance lets more of them.
+const TRIES: [(f64, f64); 2] = [(1.0, 0.1), (3.0, 0.2)];
 
 /// How far from the plane a sample may be, over its own inverse depth, and over the spread of all.
 const OWN_ERROR: f64 = 0.01;
@@ -31,18 +32,25 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// The ground below the camera among samples of pixel and inverse depth (0 for the sky); `None` where fewer than a tenth
-    /// of them agree on a plane that lies below the lens and does not lean aside more than 30 degrees, nor away from the camera
-    /// by more than 66.
+    /// The ground below the camera among samples of pixel and inverse depth (0 for the sky); `None` where no plane that lies
+    /// below the lens and does not lean aside more than 30 degrees, nor away from the camera by more than 66, holds a tenth of
+    /// them within 1 % of inverse depth, or a fifth within 3 %.
     #[must_use]
     pub fn find(samples: &[(DVec2, f64)]) -> Option<Self> {
         if samples.len() < 3 {
             return None;
         }
         let spread = spread(samples);
+        TRIES.into_iter().find_map(|(errors, least_share)| {
+            Self::find_within(samples, errors, spread).filter(|ground| ground.share >= least_share)
+        })
+    }
+
+    /// The plane that most samples agree on, within `errors` times the usual.
+    fn find_within(samples: &[(DVec2, f64)], errors: f64, spread: f64) -> Option<Self> {
         let is_within = |part: f64, w: DVec3, &(q, inverse): &(DVec2, f64)| {
             let error = (inverse - w.dot(q.extend(1.0))).abs();
-            inverse > 0.0 && error <= part * (OWN_ERROR * inverse).max(SPREAD_ERROR * spread)
+            inverse > 0.0 && error <= errors * part * (OWN_ERROR * inverse).max(SPREAD_ERROR * spread)
         };
         let agrees = |w: DVec3, sample: &(DVec2, f64)| is_within(1.0, w, sample);
         let count = |w: DVec3| samples.iter().filter(|sample| agrees(w, sample)).count();
@@ -84,7 +92,7 @@ impl Ground {
             w = fitted(&well).filter(|&better| is_ground(better)).unwrap_or(w);
         }
         let share = count(w) as f64 / samples.len() as f64;
-        (share >= LEAST_SHARE).then(|| Self { plane: Focus::from_finite(w), share })
+        Some(Self { plane: Focus::from_finite(w), share })
     }
 
     /// The ground as a plane of focus: everything on it is sharp.

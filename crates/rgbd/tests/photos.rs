@@ -128,6 +128,36 @@ fn a_photo_on_its_side_is_turned_upright() {
 }
 
 #[test]
+fn a_camera_tells_its_lens_and_what_it_sees() {
+    let folder = TempDir::new().unwrap();
+    // EXIF of a phone: 4.25 mm (425/100), f/1.8 (18/10), 26 mm on 24 x 36 mm
+    let entry = |tag: u16, kind: u16, value: u32| {
+        let value = if kind == 3 { value << 16 } else { value };
+        [&tag.to_be_bytes()[..], &kind.to_be_bytes(), &1_u32.to_be_bytes(), &value.to_be_bytes()].concat()
+    };
+    let first = [&b"MM\0*\0\0\0\x08\0\x01"[..], &entry(0x8769, 4, 26), &[0; 4]].concat();
+    let entries = [entry(0x829d, 5, 68), entry(0x920a, 5, 76), entry(0xa405, 3, 26)].concat();
+    let fractions = [18_u32, 10, 425, 100].map(u32::to_be_bytes).concat();
+    let exif = [&first[..], &[0, 3], &entries, &[0; 4], &fractions].concat();
+    let write = |exif: Vec<u8>| {
+        let mut bytes = Vec::new();
+        let mut encoder = JpegEncoder::new_with_quality(&mut bytes, 90);
+        encoder.set_exif_metadata(exif).unwrap();
+        encoder.write_image(&[90; 40 * 30 * 3], 40, 30, ExtendedColorType::Rgb8).unwrap();
+        read(&file(&folder, "a.jpg", &bytes)).lens
+    };
+    let lens = write(exif.clone());
+    assert_eq!((lens.focal_length_mm, lens.f_number), (Some(4.25), Some(1.8)));
+    // Four fifths of the diagonal of 43.27 mm lie across: 34.61 mm at 26 mm
+    let wanted = 2.0 * (0.5_f32 * 0.8 * 43.266_615 / 26.0).atan().to_degrees();
+    assert!((lens.horizontal_fov_deg.unwrap() - wanted).abs() < 1e-3, "{lens:?}");
+    // Cut anywhere it tells less, and never panics
+    for length in 8..exif.len() {
+        write(exif[..length].to_vec());
+    }
+}
+
+#[test]
 fn alpha_and_light_above_white_come_back_where_the_format_holds_them() {
     let folder = TempDir::new().unwrap();
     let window = PixelWindow::of_size(8, 4);

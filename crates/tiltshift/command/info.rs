@@ -6,7 +6,7 @@ mod words;
 
 use std::path::PathBuf;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use rgbd::{PhotoFormat, inspect};
 
@@ -21,6 +21,7 @@ use crate::read_arguments::ReadArguments;
 /// A file that `tiltshift filter` would refuse is described all the same, with the reason. A damaged one ends with exit
 /// code 2.
 #[derive(Debug, Args)]
+#[command(mut_args(without_a_map))]
 pub(crate) struct Options {
     /// Picture: OpenEXR of any program, or a photo or depth map (PNG, JPEG, TIFF, Radiance HDR, PFM).
     file: PathBuf,
@@ -31,8 +32,20 @@ pub(crate) struct Options {
     read: ReadArguments,
 }
 
+/// Options as they are meant where one file is looked at.
+fn without_a_map(arg: clap::Arg) -> clap::Arg {
+    match arg.get_id().as_str() {
+        "depth_channel" | "depth_range" | "fill_holes" => arg.hide(true),
+        "depth" => arg.value_name("NAME").help("Channel to take depth from, e.g. depth.Z, or PART/CHANNEL"),
+        _ => arg,
+    }
+}
+
 /// Says what there is.
 pub(crate) fn run(options: &Options) -> Outcome {
+    if let Some(map) = options.read.depth_file() {
+        return Err(anyhow!("info looks at one file; for the depth map say `tiltshift info {}`", map.display()).into());
+    }
     if let Some(format) = PhotoFormat::of_file(&options.file)? {
         return photo::run(options, format);
     }

@@ -21,6 +21,8 @@ pub(crate) struct Decoded {
     pub(crate) samples: Samples,
     /// The ICC profile.
     pub(crate) profile: Option<Vec<u8>>,
+    /// The EXIF block.
+    pub(crate) exif: Option<Vec<u8>>,
 }
 
 /// Numbers as a file keeps them.
@@ -115,6 +117,7 @@ impl Task for Pixels {
 
     fn run(self, mut decoder: impl ImageDecoder) -> ImageResult<Decoded> {
         let (profile, orientation) = (decoder.icc_profile()?, decoder.orientation()?);
+        let exif = decoder.exif_metadata().ok().flatten();
         let mut image = DynamicImage::from_decoder(decoder)?;
         image.apply_orientation(orientation);
         let (width, height, channels) = (image.width(), image.height(), usize::from(image.color().channel_count()));
@@ -131,6 +134,6 @@ impl Task for Pixels {
             DynamicImage::ImageRgba32F(image) => Samples::Float(image.into_raw()),
             other => Samples::Eight(other.into_rgba8().into_raw()),
         };
-        Ok(Decoded { width, height, channels, samples, profile })
+        Ok(Decoded { width, height, channels, samples, profile, exif })
     }
 }

@@ -1,6 +1,7 @@
 //! Photos: pictures that were made for a display, and linear ones of other formats than OpenEXR.
 
 mod decode;
+mod exif;
 mod format;
 mod pfm;
 mod profile;

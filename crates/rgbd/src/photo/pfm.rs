@@ -60,7 +60,7 @@ pub(super) fn decode_pfm(bytes: &[u8]) -> Result<Decoded, String> {
         if is_little_endian { f32::from_le_bytes(four) } else { f32::from_be_bytes(four) }
     };
     let samples = pixels.chunks_exact(row).rev().flat_map(|row| row.chunks_exact(4).map(number)).collect();
-    Ok(Decoded { width, height, channels, samples: Samples::Float(samples), profile: None })
+    Ok(Decoded { width, height, channels, samples: Samples::Float(samples), profile: None, exif: None })
 }
 
 /// A PFM of three interleaved channels, top row first.

@@ -7,9 +7,10 @@ use rayon::prelude::*;
 
 use super::PhotoFormat;
 use super::decode::{Decoded, Samples, decode, size_of};
+use super::exif::lens as exif_lens;
 use super::profile::understand;
 use super::transfer::Transfer;
-use crate::{Picture, PixelWindow, Plane, Primaries, ReadError};
+use crate::{LensAttributes, Picture, PixelWindow, Plane, Primaries, ReadError};
 
 /// A photo: light, and how it was stored.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +19,8 @@ pub struct Photo {
     pub picture: Picture,
     /// How it was stored, to store a result the same way.
     pub encoding: Encoding,
+    /// What its camera notes (EXIF): focal length, f-number, and the field of view where it tells the equivalent focal length.
+    pub lens: LensAttributes,
 }
 
 /// How a photo is stored.
@@ -87,7 +90,8 @@ pub fn photo_size(path: &Path, format: PhotoFormat) -> Result<(u32, u32), ReadEr
 /// floats are light already.
 pub fn read_photo(path: &Path, format: PhotoFormat, max_pixels: u64) -> Result<Photo, ReadError> {
     let decoded = decode(path, format, max_pixels)?;
-    let Decoded { width, height, channels, ref samples, ref profile } = decoded;
+    let Decoded { width, height, channels, ref samples, ref profile, ref exif } = decoded;
+    let lens = exif.as_ref().map_or_else(LensAttributes::default, |exif| exif_lens(exif, [width, height]));
     let has_alpha = channels % 2 == 0;
 
     // Find out what the numbers mean
@@ -130,7 +134,7 @@ pub fn read_photo(path: &Path, format: PhotoFormat, max_pixels: u64) -> Result<P
     let alpha = alpha.unwrap_or_else(|| vec![1.0; window.area()]);
     let plane = |values| Plane::from_values(window, values).expect("a number for each pixel");
     let picture = Picture::from_planes([r, g, b, alpha].map(plane)).expect("planes of one window");
-    Ok(Photo { picture, encoding })
+    Ok(Photo { picture, encoding, lens })
 }
 
 /// One channel of interleaved samples as light, by the transfer of colour `c`.

@@ -134,7 +134,8 @@ fn depth_in_units(frame: &Frame, pixel: Pixel) -> anyhow::Result<f64> {
 /// Says what the lens does.
 pub(in crate::command) fn describe(camera: &Camera, lens: Option<&ThinLens>, verbose: bool, say: Say<'_>) {
     if let Some(lens) = lens {
-        let [tilt, swing] = [lens.tilt(), lens.swing()].map(f64::to_degrees);
+        // A rounding below 0 is no -0.00
+        let [tilt, swing] = [lens.tilt(), lens.swing()].map(|angle| (angle.to_degrees() * 100.0).round() / 100.0 + 0.0);
         let (focal_length, f_number) = (lens.focal_length() * 1e3, lens.f_number());
         let focus = match lens.focus().depth(glam::DVec2::ZERO) {
             Some(depth) => format!("{depth:.4} m on the axis"),

@@ -12,6 +12,7 @@ use rgbd::{
 
 use super::Source;
 use super::job::{Job, Say};
+use crate::lens_options::FilmOptions;
 
 /// What was read.
 pub(in crate::command) struct Input {
@@ -33,15 +34,20 @@ pub(in crate::command) fn read(job: &Job, options: &Source<'_>, say: Say<'_>) ->
         (Some(format), Some(depth)) => {
             let (width, height) = photo_size(input, format)?;
             let film = options.film.settled(&job.lens, width, height, 1.0)?.film(width, height, 1.0)?;
-            let Photo { picture, encoding } = read_photo(input, format, max_pixels)?;
+            let Photo { picture, encoding, lens } = read_photo(input, format, max_pixels)?;
             say(format_args!(
                 "read {}: {format}, {width}x{height}, linearised by {}",
                 input.display(),
                 encoding.described
             ));
+            if let (Some(mm), Some(fov)) = (lens.focal_length_mm, lens.horizontal_fov_deg) {
+                say(format_args!("  its camera notes a lens of {mm} mm and sees {fov:.1} degrees across"));
+            }
+            let noted = FilmOptions { fov: lens.horizontal_fov_deg.map(f64::from), ..FilmOptions::default() };
+            let film = film.or(noted.film(width, height, 1.0)?);
             let head = Head { primaries: encoding.primaries, ..Head::new(picture.window()) };
             let frame = with_map(picture, &head, depth, film.as_ref(), options, say)?;
-            Ok(Input { frame, lens: LensAttributes::default(), encoding: Some(encoding) })
+            Ok(Input { frame, lens, encoding: Some(encoding) })
         }
         (None, Some(depth)) => {
             let read = options.read.options(None, options.film.metres_per_unit);

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Instant, SystemTime};
 
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use rgbd::{PhotoFormat, Progress, photo_size, survey_file};
 use serde_json::json;
 
@@ -108,7 +108,10 @@ pub(super) fn run(sequence: &Sequence, options: &Options, keys: Option<&FocusKey
     let mut sorted = outputs.clone();
     sorted.sort_unstable();
     if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(anyhow::anyhow!("{:?} is named for two results; give each its own name", pair[0]).into());
+        return Err(anyhow!("{:?} is named for two results; give each its own name", pair[0]).into());
+    }
+    if let Some(output) = outputs.iter().find(|output| sequence.inputs.values().any(|input| input == *output)) {
+        return Err(anyhow!("{output:?} is a frame of the input; give another name to write to").into());
     }
     if !sequence.missing.is_empty() {
         say(format_args!("missing: frames {}", in_words(&sequence.missing)));
