@@ -72,9 +72,9 @@ pub(crate) struct Options {
     #[command(flatten)]
     long: Long,
     #[command(flatten)]
-    film: FilmOptions,
+    film: Box<FilmOptions>,
     #[command(flatten)]
-    lens: LensOptions,
+    lens: Box<LensOptions>,
 }
 
 /// The files of one picture.
@@ -86,6 +86,9 @@ struct Outputs {
 }
 
 pub(crate) fn run(options: &Options) -> Outcome {
+    if options.film.metres_per_unit.is_some() && !options.is_model() {
+        return Err(anyhow!("--metres-per-unit is for models; a scene file says it itself").into());
+    }
     let wishes = Wishes { bounces: options.bounces, metres_per_unit: options.film.metres_per_unit };
     let file = SceneFile::open_with(&options.scene, &wishes)?;
     if options.list {
@@ -122,6 +125,12 @@ pub(crate) fn run(options: &Options) -> Outcome {
 }
 
 impl Options {
+    /// Whether the scene is a model rather than a scene file.
+    fn is_model(&self) -> bool {
+        let extension = self.scene.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+        matches!(extension.as_deref(), Some("gltf" | "glb" | "obj"))
+    }
+
     /// The shot that was named.
     fn shot(&self) -> Option<String> {
         self.camera.map_or_else(|| self.shot.clone(), |number| Some(format!("camera{number}")))
@@ -151,8 +160,7 @@ impl Options {
 
 /// Renders one picture.
 fn take(options: &Options, file: &SceneFile, shot: &Shot, outputs: &Outputs) -> Outcome {
-    let is_model = !options.scene.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-    let seen = view::seen(shot, file.scene(), &options.film, &options.lens, options.quality.size, is_model)?;
+    let seen = view::seen(shot, file.scene(), &options.film, &options.lens, options.quality.size, options.is_model())?;
     let shot = &seen;
     let camera = options.quality.camera(shot)?;
     expect_exr(&outputs.truth)?;

@@ -60,6 +60,9 @@ pub struct Finish {
     pub opacity: f32,
     /// Whether what it emits lights other surfaces.
     pub is_light: bool,
+    /// Whether its back is a surface like its front: a leaf, a curtain. Hidden layers hold such backs too. (Light makes no
+    /// difference between the two of any surface.)
+    pub is_double_sided: bool,
 }
 
 impl Default for Finish {
@@ -74,6 +77,7 @@ impl Default for Finish {
             alpha: Alpha::Opaque,
             opacity: 1.0,
             is_light: false,
+            is_double_sided: false,
         }
     }
 }

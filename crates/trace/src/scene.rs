@@ -21,6 +21,8 @@ pub struct Scene {
     pub(crate) shadow_bias: f64,
     pub(crate) metres_per_unit: Option<f64>,
     pub(crate) transport: Option<Box<Transport>>,
+    /// By material.
+    pub(crate) double_sided: Vec<bool>,
 }
 
 impl Scene {
@@ -64,6 +66,12 @@ impl Scene {
     pub(crate) fn hit_beyond(&self, from: &Hit, normal: DVec3, direction: DVec3) -> Option<Hit> {
         let ray = Ray::leaving(from.point, normal, direction);
         self.hit_from(&ray, from.primitive)
+    }
+
+    /// The surface as it is seen along `direction`: the back of a double-sided one is its outer side too.
+    pub(crate) fn facing(&self, hit: Hit, direction: DVec3) -> Hit {
+        let turns = self.double_sided[hit.material as usize] && hit.normal.dot(direction) > 0.0;
+        if turns { Hit { normal: -hit.normal, ..hit } } else { hit }
     }
 
     /// How often light goes from surface to surface: 0 with the base shading.

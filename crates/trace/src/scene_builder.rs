@@ -186,6 +186,7 @@ impl SceneBuilder {
             check_finish(finish)?;
         }
         let (bounces, reasons) = self.needs();
+        let double_sided = self.finishes.iter().map(|finish| finish.is_double_sided).collect();
         let mut ambient = Vec3::ZERO;
         let (mut suns, mut points) = (Vec::new(), Vec::new());
         for light in self.lights {
@@ -214,6 +215,7 @@ impl SceneBuilder {
             shadow_bias: self.shadow_bias,
             metres_per_unit: self.metres_per_unit,
             transport,
+            double_sided,
         })
     }
 

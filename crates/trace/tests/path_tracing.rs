@@ -170,6 +170,34 @@ fn holes_of_a_mask_are_holes_in_depth_and_layers() {
     assert!(!hidden.known.at(32, 10));
 }
 
+/// A sheet whose back is seen, behind the edge of a near card.
+#[test]
+fn the_back_of_a_leaf_is_a_hidden_surface_if_it_has_two_sides() {
+    let hidden = |is_double_sided: bool| {
+        let mut builder = SceneBuilder::new();
+        let grey = builder.material(Material::matte(Vec3::splat(0.5)));
+        let leaf = builder.finished(Material::matte(Vec3::Y), Finish { is_double_sided, ..Finish::default() });
+        let square =
+            |z: f64, left: f64| [(left, -9.0), (9.0, -9.0), (9.0, 9.0), (left, 9.0)].map(|(x, y)| DVec3::new(x, y, z));
+        builder.mesh(&square(0.0, 0.0), &[[0, 1, 2], [0, 2, 3]], |_| grey, DAffine3::IDENTITY).unwrap();
+        builder.mesh(&square(-2.0, -9.0), &[[0, 2, 1], [0, 3, 2]], |_| leaf, DAffine3::IDENTITY).unwrap();
+        builder.light(Light::Ambient { strength: Vec3::ONE });
+        let scene = builder.build().unwrap();
+        let camera = Camera {
+            pose: Pose::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y).unwrap(),
+            film: Film::from_fov(0.5, 40, 20).unwrap(),
+            focus: Focus::at_depth(6.0).unwrap(),
+            iris: Iris::upright(0.2, ApertureShape::Disc).unwrap(),
+        };
+        let settings = LayerSettings { margin: Margin::Pixels(0), color_samples: 8, ..LayerSettings::default() };
+        let frame = layers(&scene, &camera, &settings, &Silent).unwrap().frame;
+        let layer = &frame.layers()[1];
+        (layer.known.at(20, 10), layer.depth.at(20, 10), layer.color.at(20, 10)[1])
+    };
+    assert_eq!(hidden(true), (true, 6.0, 1.0));
+    assert!(!hidden(false).0);
+}
+
 #[test]
 fn layers_of_a_path_traced_scene_have_the_colour_of_its_picture() {
     let file = table();

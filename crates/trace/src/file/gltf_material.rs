@@ -35,6 +35,7 @@ impl Materials<'_> {
                 AlphaMode::Blend => Alpha::Blend,
             },
             is_light: emission != Vec3::ZERO,
+            is_double_sided: source.double_sided(),
             ..Finish::default()
         };
         if source.unlit() {

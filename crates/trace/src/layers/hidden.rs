@@ -73,7 +73,8 @@ impl<'a> Walk<'a> {
     /// The next surface behind one.
     fn next(&self, from: &Hit, direction: DVec3) -> Option<Hit> {
         let outwards = if from.normal.dot(direction) < 0.0 { -from.normal } else { from.normal };
-        self.scene.hit_beyond(from, outwards, direction)
+        let hit = self.scene.hit_beyond(from, outwards, direction)?;
+        Some(self.scene.facing(hit, direction))
     }
 
     /// Whether some lens point sees the outer side of a surface.
@@ -114,7 +115,7 @@ impl<'a> Walk<'a> {
             return None;
         }
         let expected = centre.normal.dot(centre.point - ray.origin.as_dvec3()) / slope;
-        let mut hit = self.scene.hit(ray)?;
+        let mut hit = self.scene.facing(self.scene.hit(ray)?, direction);
         for _ in 0..MOST_SURFACES {
             let t = (hit.point - ray.origin.as_dvec3()).dot(direction) / direction.length_squared();
             if (t - expected).abs() <= SAME_SURFACE * expected && hit.normal.dot(direction) < 0.0 {
