@@ -23,6 +23,9 @@ struct Line {
     error: ExpectedError,
 }
 
+/// What is run for a case and a tolerance.
+type Policy = dyn Fn(&[Line], &Tolerance) -> Outcome;
+
 /// What became of one piece of advice.
 struct Outcome {
     is_kept: bool,
@@ -47,7 +50,7 @@ pub(crate) fn print(file: &Path) {
     for scene in scenes {
         let of_scene =
             || cases.iter().filter(|((name, ..), _)| scene.is_empty() || name == scene).map(|(_, lines)| lines);
-        let policies: [(&str, &dyn Fn(&[Line], &Tolerance) -> Outcome); 4] = [
+        let policies: [(&str, &Policy); 4] = [
             ("advice", &advised),
             ("always the default", &|lines, tolerance| always(lines, tolerance, "merged 2 layers")),
             ("always the tracer, 64", &|lines, tolerance| always(lines, tolerance, "trace 64")),

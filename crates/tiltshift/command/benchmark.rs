@@ -1,6 +1,6 @@
 //! `tiltshift benchmark`: anybody's pictures against truths that anybody can make.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use ::filter::{FrameView, Method, apply};
@@ -215,6 +215,8 @@ impl Scores {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]
