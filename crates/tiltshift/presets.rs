@@ -132,7 +132,8 @@ impl fmt::Display for Table {
         writeln!(f, "Lenses (--lens-preset)")?;
         for preset in LENSES {
             let LensPreset { name, lens, widest_f_number: n, tilt_deg: tilt, shift_mm: shift, .. } = preset;
-            writeln!(f, "  {name:<20} {lens:<40} f/{n:<4} tilt ±{tilt:<4}° shift ±{shift} mm")?;
+            let tilt = format!("±{tilt}°");
+            writeln!(f, "  {name:<20} {lens:<38} f/{n:<4} tilt {tilt:<6} shift ±{shift} mm")?;
         }
         write!(f, "\nSensors (--sensor)")?;
         for SensorFormat { name, sides_mm: [long, short] } in SENSORS {

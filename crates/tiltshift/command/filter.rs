@@ -36,10 +36,12 @@ use crate::values::{Frames, stops};
 #[command(
     allow_negative_numbers = true,
     after_help = "Examples:\n  \
-        a render: tiltshift filter shot.exr -o tilted.exr --png tilted.png --focal-length 50 --sensor-width 36 \\\n    \
+        tiltshift filter shot.exr -o tilted.exr --png tilted.png --focal-length 50 --sensor-width 36 \\\n      \
         -N 1.4 --tilt 6 --focus-pixel 480,330\n  \
-        a photo with a disparity map, white near: tiltshift filter photo.jpg --depth depth.png -o tilted.jpg \\\n    \
-        --depth-as inverse --depth-range 20,1 --focal-length 28 --sensor-width 36 -N 1.4 --focus-pixel 480,330"
+        tiltshift filter photo.jpg -o tilted.jpg --depth disparity_white_near.png --depth-as inverse \\\n      \
+        --depth-range 20,1 --focal-length 28 --sensor full-frame -N 1.4 --focus ground\n  \
+        tiltshift filter shot.####.exr -o tilted.####.exr --frames 1..240 --resume --fov 40 \\\n      \
+        --sensor-width 36 -N 2 --focus-keys keys.csv"
 )]
 pub(crate) struct Options {
     /// Picture: OpenEXR with colour and depth, or a photo with --depth FILE. A sequence: shot.####.exr, shot.%04d.exr,

@@ -48,7 +48,28 @@ pub fn fit_to_picture(planar: &Plane, guide: &Picture, map: &DepthMap, meaning: 
             };
         }
     });
-    Plane::from_values(to, fitted).expect("a depth for each pixel")
+    let fitted = Plane::from_values(to, fitted).expect("a depth for each pixel");
+    if likeness.is_some() { without_specks(&fitted) } else { fitted }
+}
+
+/// The median of the 3x3 pixels around each, which is a depth that there is: a single pixel whose colour is like the other side's
+/// is no part of it. On a plane it is the pixel itself.
+fn without_specks(depth: &Plane) -> Plane {
+    let window = depth.window();
+    let mut calm = depth.clone();
+    calm.values_mut().par_chunks_exact_mut(window.width as usize).enumerate().for_each(|(row, depths)| {
+        let y = window.y + row as i32;
+        for (x, calm) in (window.x..).zip(depths.iter_mut()) {
+            if x == window.x || x + 1 == window.x_end() || y == window.y || y + 1 == window.y_end() {
+                continue;
+            }
+            let mut around: [f32; 9] = std::array::from_fn(|k| depth.at(x - 1 + k as i32 % 3, y - 1 + k as i32 / 3));
+            if around.iter().all(|depth| !depth.is_nan()) {
+                *calm = *around.select_nth_unstable_by(4, f32::total_cmp).1;
+            }
+        }
+    });
+    calm
 }
 
 /// Square roots of red, green and blue: about what an eye tells apart.
