@@ -209,6 +209,16 @@ impl LensOptions {
             || self.upright_iris
     }
 
+    /// Whether any focus was asked for.
+    pub(crate) fn is_focused(&self) -> bool {
+        self.focus_distance.is_some()
+            || self.focus_pixel.is_some()
+            || self.focus_points.is_some()
+            || self.focus_plane.is_some()
+            || self.focus_band.is_some()
+            || self.focus.is_some()
+    }
+
     /// The camera with this lens on a picture, of which `seen` tells the depths in metres.
     ///
     /// `film` is held: focusing does not change what the picture shows. Focal length and depths in metres inside.

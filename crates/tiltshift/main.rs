@@ -54,7 +54,7 @@ enum Command {
     /// Say why the filter is wrong on a shot of a scene: every named cause's share of its squared error.
     Causes(command::causes::Options),
     /// Say which method is the cheapest that comes within a tolerance.
-    Advise(command::advise::Options),
+    Advise(Box<command::advise::Options>),
     /// Score pictures of any program against the truths of the benchmark.
     Benchmark(command::benchmark::Options),
     /// Trace, filter and compare a scene of the project, and leave a report to open.

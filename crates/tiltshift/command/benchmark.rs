@@ -88,7 +88,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
 
     // Ours stand in where there are no others
     let mut all: Vec<Scores> = if options.candidate.is_empty() {
-        ["unfiltered", "tiltshift filter"].map(|name| Scores::new(name)).into()
+        ["unfiltered", "tiltshift filter"].map(Scores::new).into()
     } else {
         options.candidate.iter().map(|candidate| Scores::new(&candidate.name)).collect()
     };
@@ -233,7 +233,7 @@ mod tests {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/benchmark/benchmark.toml");
         let benchmark = Benchmark::parse(&std::fs::read_to_string(&file).unwrap()).unwrap();
         for case in &benchmark.cases {
-            let scene = SceneFile::open(&case.scene_file(&file)).unwrap();
+            let scene = SceneFile::open(case.scene_file(&file).as_path()).unwrap();
             scene.shot(Some(&case.shot)).unwrap();
         }
         assert!(benchmark.cases.len() >= 8, "{}", benchmark.cases.len());
