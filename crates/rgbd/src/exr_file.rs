@@ -161,6 +161,7 @@ pub(crate) fn refusal(path: &Path, error: exr::error::Error) -> ReadError {
                 "file identifier missing" => {
                     "it does not start like one, nor like PNG, JPEG, TIFF, Radiance HDR or PFM".to_owned()
                 }
+                "nothing that can be decoded" => "what it packs cannot be unpacked".to_owned(),
                 what => format!("invalid {what}"),
             };
             ReadError::Damaged { path: path.into(), reason }
