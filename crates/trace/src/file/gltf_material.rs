@@ -80,10 +80,7 @@ impl Materials<'_> {
         let set = transform.as_ref().and_then(gltf::texture::TextureTransform::tex_coord).unwrap_or(info.tex_coord());
         let mut map = self.picture(&info.texture(), set, encoding)?;
         if let Some(transform) = transform {
-            // KHR_texture_transform: translation * rotation * scale, rotation counter-clockwise with v down
-            let (sine, cosine) = transform.rotation().sin_cos();
-            let [x, y] = transform.scale();
-            map.scale = Mat2::from_cols(Vec2::new(cosine, -sine) * x, Vec2::new(sine, cosine) * y);
+            map.scale = turned_and_scaled(transform.rotation(), transform.scale());
             map.offset = Vec2::from_array(transform.offset());
         }
         Some(map)
@@ -117,7 +114,27 @@ impl Materials<'_> {
     }
 }
 
+/// What KHR_texture_transform does to coordinates but for the offset: scales, then turns them counter-clockwise in the picture,
+/// in which v goes down.
+fn turned_and_scaled(rotation: f32, [x, y]: [f32; 2]) -> Mat2 {
+    let (sine, cosine) = rotation.sin_cos();
+    Mat2::from_cols(Vec2::new(cosine, -sine) * x, Vec2::new(sine, cosine) * y)
+}
+
 /// A factor that can be one.
 fn clean(x: f32) -> f32 {
     if x.is_finite() { x.max(0.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_are_scaled_and_then_turned() {
+        let map = turned_and_scaled(std::f32::consts::FRAC_PI_2, [2.0, 3.0]);
+        // To the right becomes up; down becomes to the right
+        assert!((map * Vec2::X - Vec2::new(0.0, -2.0)).length() < 1e-6);
+        assert!((map * Vec2::Y - Vec2::new(3.0, 0.0)).length() < 1e-6);
+    }
 }

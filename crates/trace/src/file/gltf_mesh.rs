@@ -18,6 +18,9 @@ use crate::Light;
 /// Lumens of a watt: lights are in candela and lux, radiance here in what is emitted.
 const LUMENS_PER_WATT: f32 = 683.0;
 
+/// Most triangles, all copies of a mesh counted: a small file can name one mesh a million times.
+const MOST_TRIANGLES: usize = 1 << 25;
+
 /// Reads the default scene (all scenes if none is marked). Skins and morph targets stay at rest.
 pub(super) fn read(path: &Path) -> Result<Model, String> {
     let (document, mut blob) = parse(path)?;
@@ -170,6 +173,10 @@ fn add(
         Mode::TriangleFan => indices.windows(2).skip(1).map(|pair| [indices[0], pair[0], pair[1]]).collect(),
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Vec::new(),
     };
+
+    if mesh.triangles.len() + triangles.len() > MOST_TRIANGLES {
+        return Err(format!("its nodes make more than {MOST_TRIANGLES} triangles"));
+    }
 
     // What else it says of its vertices
     let normal_from_node = world_from_node.matrix3.inverse().transpose();

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 
 use super::*;
+use crate::sampler::Sampler;
 use crate::{Light, Material, MeshDetail, SceneBuilder, Shape, Texture, TextureMap};
 
 /// One wall of two triangles with coordinates from 0 to 1, and what `finish` says.
@@ -116,4 +117,81 @@ fn textured_scenes_without_bounces_look_as_the_base_shading() {
         // f32 rounding
         assert!((a - b).abs().max_element() < 1e-5, "{place}: {a} {b}");
     }
+}
+
+#[test]
+fn a_texture_is_as_soft_as_the_footprint_is_wide() {
+    // Squares of one texel: from two texels on there is nothing but their mean
+    let texels: Vec<_> = (0..64 * 64).map(|i| [((i % 64 + i / 64) % 2) as f32, 0.0, 0.0, 1.0]).collect();
+    let map = TextureMap::new(Arc::new(Texture::from_linear(64, 64, &texels).unwrap()));
+    let scene = wall(Finish { color_map: Some(map), ..Finish::default() }, Vec3::ONE).build().unwrap();
+    let transport = scene.transport.as_ref().unwrap();
+    let sampler = Sampler::new(1, 2, 3, 0);
+    let seen = |texels: f64| {
+        // The wall is 2 away and 64 texels wide; half a pixel counts
+        let footprint = Footprint::of_pixel(2.0 * texels / 64.0 / 2.0);
+        let at = |i: u32| {
+            let ray = Ray::new(DVec3::new((f64::from(i) + 0.5) / 64.0, 32.5 / 64.0, 2.0), DVec3::NEG_Z);
+            transport.radiance(&scene, &ray, footprint, &mut Stream::new(&sampler, 0, false)).x
+        };
+        (0..64).map(|i| (at(i) - 0.5).abs()).sum::<f32>() / 64.0
+    };
+    let contrasts = [0.1, 1.0, 1.5, 2.0, 30.0].map(seen);
+    assert!(contrasts.windows(2).all(|pair| pair[1] <= pair[0] + 1e-6), "{contrasts:?}");
+    assert!(contrasts[3] < 1e-4 && contrasts[0] > 0.2, "{contrasts:?}");
+}
+
+#[test]
+fn normals_of_maps_and_meshes_turn_the_light() {
+    let (sine, cosine) = 0.5_f32.sin_cos();
+    let lit = |finish: Finish, normals: Option<Vec3>, toward_sun: Vec3| {
+        let mut builder = SceneBuilder::new();
+        let paint = builder.finished(Material::matte(Vec3::ONE), finish);
+        let vertices = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        // u to the right, v down
+        let uv = [Vec2::new(0.0, 1.0), Vec2::new(1.0, 1.0), Vec2::new(0.0, 0.0)];
+        let normals = normals.map_or_else(Vec::new, |normal| vec![[normal; 3]]);
+        let detail = Arc::new(MeshDetail { normals, uvs: [vec![uv], Vec::new()], ..MeshDetail::default() });
+        builder.detailed_mesh(&vertices, &[[0, 1, 2]], |_| paint, DAffine3::IDENTITY, &detail).unwrap();
+        builder.light(Light::sun(toward_sun.as_dvec3(), Vec3::ONE).unwrap());
+        builder.build().unwrap().radiance(&Ray::new(DVec3::new(0.3, 0.3, 2.0), DVec3::NEG_Z)).x
+    };
+    let bent = |normal: Vec3| {
+        let [r, g, b] = (0.5 * normal + 0.5).to_array();
+        let map = TextureMap::new(Arc::new(Texture::from_linear(1, 1, &[[r, g, b, 1.0]]).unwrap()));
+        Finish { normal_map: Some((map, 1.0)), ..Finish::default() }
+    };
+    // Red bends to the right, green up; 16 bits of a texel
+    let (right, up) = (Vec3::new(sine, 0.0, cosine), Vec3::new(0.0, sine, cosine));
+    for (normal, sun, expected) in [
+        (Vec3::Z, Vec3::Z, 1.0),
+        (right, right, 1.0),
+        (up, up, 1.0),
+        (right, Vec3::Z, cosine),
+        (up, right, cosine * cosine),
+    ] {
+        let found = lit(bent(normal), None, sun);
+        assert!((found - expected).abs() < 1e-4, "{normal} under {sun}: {found} instead of {expected}");
+        let found = lit(Finish::default(), Some(3.0 * normal), sun);
+        assert!((found - expected).abs() < 1e-5, "mesh, {normal} under {sun}: {found} instead of {expected}");
+    }
+    // Normals that are none, or point to the other side, leave the triangle flat
+    for normal in [Vec3::ZERO, Vec3::NAN, Vec3::NEG_Z, Vec3::INFINITY] {
+        assert!((lit(Finish::default(), Some(normal), right) - cosine).abs() < 1e-5, "{normal}");
+    }
+}
+
+#[test]
+fn colours_at_vertices_are_mixed() {
+    let mut builder = SceneBuilder::new();
+    let paint = builder.material(Material::matte(Vec3::splat(0.5)));
+    let colors = vec![[Vec3::X, Vec3::Y, Vec3::Z].map(|color| color.extend(1.0))];
+    let detail = Arc::new(MeshDetail { colors, ..MeshDetail::default() });
+    builder
+        .detailed_mesh(&[DVec3::ZERO, DVec3::X, DVec3::Y], &[[0, 1, 2]], |_| paint, DAffine3::IDENTITY, &detail)
+        .unwrap();
+    builder.light(Light::Ambient { strength: Vec3::ONE });
+    let scene = builder.build().unwrap();
+    let found = scene.radiance(&Ray::new(DVec3::new(0.25, 0.5, 2.0), DVec3::NEG_Z));
+    assert!((found - 0.5 * Vec3::new(0.25, 0.25, 0.5)).abs().max_element() < 1e-5, "{found}");
 }
