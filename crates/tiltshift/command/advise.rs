@@ -66,6 +66,13 @@ pub(crate) struct Options {
     read: ReadArguments,
 }
 
+impl Options {
+    /// Whether a scene is asked about, and not a picture.
+    fn is_scene(&self) -> bool {
+        self.input.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+    }
+}
+
 /// What is looked at.
 struct Subject {
     scene: Option<SceneFile>,
@@ -100,8 +107,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
 
 /// The frame of a shot, or of a file.
 fn subject(options: &Options) -> anyhow::Result<Subject> {
-    let is_scene = options.input.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
-    if !is_scene {
+    if !options.is_scene() {
         return of_picture(options);
     }
     if options.lens.is_given() {
@@ -192,7 +198,8 @@ fn print_text(options: &Options, subject: &Subject, all: &[Forecast], choice: &C
     let frame =
         subject.frame_seconds.map(|seconds| format!("; colour and depth took {seconds:.2} s")).unwrap_or_default();
     say(format_args!("found out in {seconds:.2} s{frame}"));
-    say(format_args!("run: {}", command(options, &chosen.rung)));
+    let like_here = if options.is_scene() { "" } else { ", with the options of lens, focus and depth as here" };
+    say(format_args!("run: {}{like_here}", command(options, &chosen.rung)));
 }
 
 /// The command that runs a rung.
@@ -206,7 +213,8 @@ fn command(options: &Options, rung: &Rung) -> String {
                 Method::Merged(settings) if settings.layers == 1 => " --layers 1",
                 _ => "",
             };
-            format!("tiltshift filter RGBD.exr -o OUT.exr --method {}{layers}", method.name())
+let file = if options.is_scene() { "RGBD.exr".to_owned() } else { input.to_string() };
+            format!("tiltshift filter {file} -o OUT.exr --method {}{layers}", method.name())
         }
         Rung::Hybrid(settings) => format!(
             "tiltshift hybrid {input}{shot}{size} --tolerance {} --samples {} -o OUT.exr",
