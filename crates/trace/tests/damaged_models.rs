@@ -181,3 +181,43 @@ fn vertices_at_infinity_and_normals_of_nothing_are_lived_with() {
         Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
     }
 }
+
+#[test]
+fn no_byte_of_an_obj_or_its_library_makes_it_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let obj = b"# a square\nmtllib l.mtl\no s\nv 0 0 0 1 1 1\nv 1 0 0 0.5 0.2 1\nv 1 1 0 1 0 0\nv 0 1 0 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
+        vn 0 0 1\nvn 0.1 0 1\nusemtl m\nf 1/1/1 2/2/1 3/3/2 -1/1/1\nf 1//2 2//2 3//1\nf 1 2 3\nl 1 2\np 1\n";
+    let library =
+        b"newmtl m\nKd 0.5 0.4 0.3\nKe 0 0.1 0\nNs 10\nd 0.5\nillum 2\nmap_Kd -s 1 1 1 t.png\nmap_Bump t.png\n";
+    let (path, beside) = (folder.path().join("e.obj"), folder.path().join("l.mtl"));
+    std::fs::write(&beside, library).unwrap();
+    open(&path, obj).unwrap();
+    for place in 0..obj.len() {
+        for byte in [b'9', b'-', b'/', b' ', b'\n', 0xff] {
+            let mut changed = obj.to_vec();
+            changed[place] = byte;
+            let _ = open(&path, &changed);
+        }
+        let _ = open(&path, &obj[..place]);
+    }
+    for place in 0..library.len() {
+        for byte in [b'9', b'-', b' ', b'\n', 0xff] {
+            let mut changed = library.to_vec();
+            changed[place] = byte;
+            std::fs::write(&beside, &changed).unwrap();
+            let _ = open(&path, obj);
+        }
+    }
+    let text = String::from_utf8(obj.to_vec()).unwrap();
+    let numbers = ["4294967295", "4294967296", "18446744073709551616", "-9223372036854775808", "9223372036854775807"];
+    for number in numbers.into_iter().chain(["-5", "-9", "0", "99", "1e9", "nan"]) {
+        for corner in [
+            format!("{number}/{number}/{number}"),
+            format!("{number}/3/2"),
+            format!("3/{number}/2"),
+            format!("3/3/{number}"),
+        ] {
+            let _ = open(&path, text.replace("3/3/2", &corner).as_bytes());
+        }
+    }
+}

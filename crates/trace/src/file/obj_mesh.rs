@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::mesh::Mesh;
 use super::model::Model;
 use super::resources::Resources;
+use super::scene_file::refuse_special;
 use crate::{Alpha, Encoding, Finish, Material, Pigment, TextureMap};
 
 /// Reads triangles (polygons are cut into fans) with normals, coordinates and colours, and of their materials Kd, Ke, d and
@@ -14,7 +15,11 @@ use crate::{Alpha, Encoding, Finish, Material, Pigment, TextureMap};
 pub(super) fn read(path: &Path) -> Result<Model, String> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
-    let (models, materials) = tobj::load_obj(path, &options).map_err(|error| error.to_string())?;
+    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    check_indices(&bytes)?;
+    let library = |name: &Path| library(&path.parent().unwrap_or(Path::new("")).join(name));
+    let loaded = tobj::load_obj_buf(&mut bytes.as_slice(), &options, library);
+    let (models, materials) = loaded.map_err(|error| error.to_string())?;
     let materials = materials.map_err(|error| format!("its material library: {error}"))?;
     let mut resources = Resources::beside(path);
     let mut mesh = Mesh::default();
@@ -35,6 +40,51 @@ pub(super) fn read(path: &Path) -> Result<Model, String> {
     }
     mesh.warnings = resources.warnings;
     Ok(Model { mesh, ..Model::default() })
+}
+
+/// Fails for faces that name what cannot be there: the crate counts with such numbers before it looks.
+fn check_indices(bytes: &[u8]) -> Result<(), String> {
+    /// Most vertices, coordinates or normals of a file.
+    const MOST: i64 = 1 << 31;
+    let mut counts = [0_i64; 3];
+    for (number, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
+        let line = line.trim_ascii_start();
+        let kind = match line {
+            [b'v', b't', ..] => Some(1),
+            [b'v', b'n', ..] => Some(2),
+            [b'v', ..] => Some(0),
+            _ => None,
+        };
+        if let Some(kind) = kind {
+            counts[kind] += 1;
+        }
+        if !matches!(line, [b'f' | b'l' | b'p', b' ' | b'\t', ..]) {
+            continue;
+        }
+        for corner in line[1..].split(u8::is_ascii_whitespace) {
+            for (index, &count) in corner.split(|&byte| byte == b'/').zip(&counts) {
+                let index = std::str::from_utf8(index).ok().and_then(|text| text.parse::<i64>().ok());
+                if let Some(index) = index.filter(|&index| index < -count || index > MOST) {
+                    return Err(format!("line {} names element {index}, which is not there", number + 1));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Reads a material library. The crate takes it for granted that colours have three numbers: look first.
+fn library(path: &Path) -> tobj::MTLLoadResult {
+    let bytes = refuse_special(path).and_then(|()| std::fs::read(path)).map_err(|_| tobj::LoadError::OpenFileFailed)?;
+    let is_color = |word: &str| matches!(word, "Ka" | "Kd" | "Ks" | "Ke");
+    let is_short = |line: &str| {
+        let mut words = line.split_whitespace();
+        words.next().is_some_and(is_color) && words.count() < 3
+    };
+    if String::from_utf8_lossy(&bytes).lines().any(is_short) {
+        return Err(tobj::LoadError::MaterialParseError);
+    }
+    tobj::load_mtl_buf(&mut bytes.as_slice())
 }
 
 impl Mesh {
