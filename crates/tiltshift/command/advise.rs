@@ -213,7 +213,7 @@ fn command(options: &Options, rung: &Rung) -> String {
                 Method::Merged(settings) if settings.layers == 1 => " --layers 1",
                 _ => "",
             };
-let file = if options.is_scene() { "RGBD.exr".to_owned() } else { input.to_string() };
+            let file = if options.is_scene() { "RGBD.exr".to_owned() } else { input.to_string() };
             format!("tiltshift filter {file} -o OUT.exr --method {}{layers}", method.name())
         }
         Rung::Hybrid(settings) => format!(
