@@ -83,7 +83,7 @@ fn a_benchmark_scores_pictures_and_knows_its_truths() {
     let at = folder.path();
     let case = |name: &str, shot: &str| {
         format!(
-            "[[case]]\nname = {name:?}\nscene = {:?}\nshot = {shot:?}\nsize = [48, 27]\nsamples = 64\nnoise = 0.01\n\
+            "[[case]]\nname = {name:?}\nscene = {:?}\nshot = {shot:?}\nsize = [160, 90]\nsamples = 64\nnoise = 0.01\n\
              checksum = \"00000000\"\n",
             scene()
         )

@@ -79,16 +79,19 @@ fn hidden_light_falls_only_where_some_lens_point_sees_past_the_first_layer() {
     }
 }
 
-/// A dark wall that falls back steeply towards the right, a near post before its end, and the sky beyond.
-fn wall_post_and_sky() -> Frame {
+/// Where the post stands.
+const POST: std::ops::Range<i32> = 60..66;
+
+/// A dark wall whose inverse depth falls by `slope` a pixel towards the right, a near dark post before its end, and the bright
+/// sky beyond.
+fn wall_post_and_sky(slope: f32) -> Frame {
     let data = DISPLAY.grown(5, 5);
-    const POST: std::ops::Range<i32> = 60..66;
     let depth = Plane::from_fn(data, |x, _| {
         if POST.contains(&x) {
             1.6
         } else if x < POST.start {
-            // Where the post begins, the wall would be infinitely far some pixels on
-            1.0 / (0.05 + 0.02 * (POST.start - x) as f32).min(0.4)
+            // Behind the post the wall would be infinitely far, and then farther
+            1.0 / (0.02 + slope * (POST.start - x) as f32).min(0.5)
         } else {
             f32::INFINITY
         }
@@ -101,15 +104,15 @@ fn wall_post_and_sky() -> Frame {
 fn nothing_is_guessed_behind_the_sky() {
     let lens = over(DISPLAY, &camera(DVec3::new(0.0, 0.0, 0.3), DVec3::Z, 0.3, ApertureShape::Disc));
     let px = (lens.iris.radius() * lens.film.pixels_per_q().max_element()) as f32;
-    let frame = wall_post_and_sky();
-    // Past the footprints of the post, of the wall and of the sky itself, two pixels for a silhouette, and as much again as
-    // some lens point sees behind the post
-    let reach = px * (1.0_f32 / 1.6 - 0.3).max(0.3) + 2.0 + px * 0.05;
+    // So steep that the blur changes by more than a pixel from pixel to pixel: some lens point sees ever farther behind
+    let frame = wall_post_and_sky(3.0 / px);
+    // The sky's own blur, the post's, and two pixels for a silhouette
+    let reach = px * (1.0_f32 / 1.6 - 0.3).max(0.3) + 2.0;
     for method in [Method::Gather(GatherSettings::default()), Method::default()] {
         let picture = filtered(&frame, &lens, &method);
-        let far = DISPLAY.pixels().filter(|&(x, _)| x as f32 > 66.0 + reach);
+        let far = DISPLAY.pixels().filter(|&(x, _)| (x - POST.end) as f32 > reach);
         let darkest = far.map(|(x, y)| picture.at(x, y)[0]).fold(f32::INFINITY, f32::min);
         assert!(darkest > 0.999, "{}: {darkest} in a clear sky", method.name());
-        assert!(66.0 + reach + 20.0 < DISPLAY.x_end() as f32, "{reach}: no sky is left to look at");
+        assert!(POST.end as f32 + reach + 20.0 < DISPLAY.x_end() as f32, "{reach}: no sky is left to look at");
     }
 }
