@@ -179,3 +179,46 @@ fn continued(first: &Surface, split: &Split, i: usize, by: [f32; 2], jump: f32) 
         doubt: SPREAD * variance.sqrt(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rgbd::PixelWindow;
+
+    use super::*;
+    use crate::surface::Tame;
+
+    #[test]
+    fn nothing_is_guessed_behind_the_sky() {
+        // A near thing, and the sky beside it
+        const WIDTH: usize = 100;
+        const NEAR: usize = 20;
+        let inverse_depth: Vec<f32> = (0..WIDTH).map(|x| if x < NEAR { 0.5 } else { 0.0 }).collect();
+        let first = Surface {
+            window: PixelWindow::of_size(WIDTH as u32, 1),
+            inverse_depth,
+            rgba: vec![[1.0; 4]; WIDTH],
+            cover: vec![1.0; WIDTH],
+            doubt: Vec::new(),
+            slopes: Vec::new(),
+            tame: Tame::default(),
+        };
+        // Behind it goes on what falls back so steeply that it passes infinity at once, and the blur with it
+        let split = Split {
+            index: NEAR - 1,
+            is_near: true,
+            share: 0.5,
+            near: [1.0; 4],
+            far: [0.1, 0.1, 0.1, 1.0],
+            doubt: 0.0,
+            other_depth: 0.1,
+            other_slope: [-0.2, 0.0],
+        };
+        let limits = FillLimits { px: 30.0, jump: 1.0 / 30.0, reach: 60.0 };
+        let filled = fill(&first, &[split], &mut [], &limits);
+        let beyond = filled.iter().filter(|fragment| fragment.index as usize >= NEAR).count();
+        assert_eq!(beyond, 0, "{beyond} pixels of sky have something behind them");
+        assert!(filled.len() > 3, "{}: nothing is continued behind the near thing", filled.len());
+        let is_sane = |fragment: &Fragment| fragment.inverse_depth > 0.0 || fragment.slope == [0.0; 2];
+        assert!(filled.iter().all(is_sane), "a slope at infinity");
+    }
+}
