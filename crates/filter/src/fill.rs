@@ -217,7 +217,7 @@ mod tests {
         let filled = fill(&first, &[split], &mut [], &limits);
         let beyond = filled.iter().filter(|fragment| fragment.index as usize >= NEAR).count();
         assert_eq!(beyond, 0, "{beyond} pixels of sky have something behind them");
-        assert!(filled.len() > 3, "{}: nothing is continued behind the near thing", filled.len());
+        assert!(filled.len() >= 2, "{}: nothing is continued behind the near thing", filled.len());
         let is_sane = |fragment: &Fragment| fragment.inverse_depth > 0.0 || fragment.slope == [0.0; 2];
         assert!(filled.iter().all(is_sane), "a slope at infinity");
     }
