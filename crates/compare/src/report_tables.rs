@@ -27,7 +27,7 @@ fn table(report: &Report<'_>, mask: MaskKind) -> Markup {
     let noise = report.reference.noise_mse(report.masks, mask).filter(|&mse| mse > 0.0);
     html! {
         h3 id={ "mask-" (mask.name()) } {
-            (mask.name()) span.small {
+            (mask.name().replace('_', " ")) span.small {
                 " · " (percent(report.masks.share(mask))) " of the pixels"
                 @if let Some(noise) = noise { " · noise of the reference " (format!("{:.1} dB", psnr_db(noise))) }
             }

@@ -163,7 +163,11 @@ pub(crate) fn print_table(report: &Report) {
             Some(mse) => format!("reference noise {:.5}", mse.sqrt()),
             None => "reference noise unknown".to_owned(),
         };
-        print(format_args!("{} ({:.1} % of the pixels; {noise})", kind.name(), 100.0 * report.masks.share(kind)));
+        print(format_args!(
+            "{} ({:.1} % of the pixels; {noise})",
+            kind.name().replace('_', " "),
+            100.0 * report.masks.share(kind)
+        ));
         print(format_args!(
             "  {:width$}  {:>9}  {:>14}  {:>14}  {:>8}  {:>8}  {:>6}  {:>8}  {:>8}",
             "", "RMSE", "PSNR dB", "95 % sure", "MAE", "relMSE", "SSIM", "FLIP", "HDR-FLIP"
