@@ -15,9 +15,9 @@ use std::time::Instant;
 
 use compare::mean_flip_hdr;
 use filter::{Filtered, FrameView, GatherSettings, Method, PredictedError};
-use optics::{Camera, KernelModel};
+use optics::Camera;
 use rgbd::{Frame, Picture, PixelWindow, Plane, Progress};
-use trace::{Pixels, Scene};
+use trace::Scene;
 
 use crate::hybrid::{hybrid, samples_of, trace_weight, widened};
 use crate::{ExpectedError, Forecast, HybridSettings, Rung, StudyError, step::Step};
@@ -25,7 +25,7 @@ use crate::{ExpectedError, Forecast, HybridSettings, Rung, StudyError, step::Ste
 /// Samples in each half of the pilot's trace of a picture of less than so many pixels.
 const HALVES: [(u64, u32); 3] = [(400_000, 8), (1_600_000, 4), (u64::MAX, 2)];
 
-/// Noise of n samples falls as n^-POWER, and what HDR-FLIP makes of it as n^-FLIP_POWER.
+/// Noise of n samples falls as n^-POWER, and what HDR-FLIP makes of it as n^-FLIP_POWER, as was seen on `simple/tilt`.
 const POWER: f64 = 0.66;
 const FLIP_POWER: f64 = 0.6;
 
@@ -35,7 +35,8 @@ const TRACES: [u32; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
 /// Tolerances of the hybrid's rungs.
 const HYBRIDS: [f32; 5] = [0.04, 0.02, 0.01, 0.005, 0.0025];
 
-/// Time of the merged gather without a prediction over that with one.
+/// Time of the merged gather without a prediction over that with one: about the median of both scenes of
+/// `benches/results/2026-11-26-advice.md`, where it scatters by half.
 const UNPREDICTED: f64 = 0.5;
 
 /// What the advice is about.
@@ -53,9 +54,7 @@ pub struct Evidence<'a> {
 
 /// A run of the filter.
 struct Run {
-    picture: Picture,
-    predicted: Option<PredictedError>,
-    kernel: KernelModel,
+    filtered: Filtered,
     seconds: f64,
 }
 
@@ -87,23 +86,19 @@ pub fn forecasts(evidence: &Evidence, with_flip: bool, progress: &dyn Progress) 
     let gather = |layers| GatherSettings { layers, predict_error: true, ..GatherSettings::default() };
     let plain = |layers| GatherSettings { layers, ..GatherSettings::default() };
     let merged = evidence.run(Method::Merged(gather(layers)), &step(0))?;
-    let predicted = merged.predicted.as_ref().expect("the prediction that was asked for");
-    let own = evidence.run(Method::OwnCoc(plain(1)), &step(1))?;
-    let own_error = rms(&predicted.total);
-    let own_flip = flip(&merged.picture, &off_by(&merged.picture, predicted))?;
-    for (method, run) in [(Method::Pinhole, evidence.run(Method::Pinhole, &step(1))?), (Method::OwnCoc(plain(1)), own)]
-    {
-        let rmse = difference(&run.picture, &merged.picture, display).hypot(own_error);
-        let hdr_flip = flip(&merged.picture, &run.picture)?.zip(own_flip).map(|(flip, own)| flip.hypot(own));
+    let best = merged.own_error(with_flip)?;
+    for method in [Method::Pinhole, Method::OwnCoc(plain(1))] {
+        let run = evidence.run(method, &step(1))?;
+        let rmse = difference(&run.filtered.picture, &merged.filtered.picture, display).hypot(best.rmse);
+        let hdr_flip = flip(&merged.filtered.picture, &run.filtered.picture)?;
+        let hdr_flip = hdr_flip.zip(best.hdr_flip).map(|(flip, best)| flip.hypot(best));
         all.push(run.forecast(method, ExpectedError { rmse, hdr_flip }));
     }
     if layers > 1 {
         let run = evidence.run(Method::Merged(gather(1)), &step(2))?;
-        let predicted = run.predicted.as_ref().expect("the prediction that was asked for");
-        let hdr_flip = flip(&run.picture, &off_by(&run.picture, predicted))?;
-        all.push(run.forecast(Method::Merged(plain(1)), ExpectedError { rmse: rms(&predicted.total), hdr_flip }));
+        all.push(run.forecast(Method::Merged(plain(1)), run.own_error(with_flip)?));
     }
-    all.push(merged.forecast(Method::Merged(plain(layers)), ExpectedError { rmse: own_error, hdr_flip: own_flip }));
+    all.push(merged.forecast(Method::Merged(plain(layers)), best));
 
     // The tracer, and the hybrid
     if let Some(scene) = evidence.scene {
@@ -114,7 +109,7 @@ pub fn forecasts(evidence: &Evidence, with_flip: bool, progress: &dyn Progress) 
         }
         for tolerance in HYBRIDS {
             let settings = HybridSettings { tolerance, layers, seed: evidence.seed, ..HybridSettings::default() };
-            all.push(noise.hybrid(&settings, &merged, &predicted.total, own_flip, halves_flip));
+            all.push(noise.hybrid(&settings, &merged, best.hdr_flip, halves_flip));
         }
     }
     Ok(all)
@@ -133,7 +128,7 @@ impl Evidence<'_> {
     /// The picture of a rung over the display window; the tracer's need a scene.
     pub fn picture(&self, rung: &Rung, progress: &dyn Progress) -> Result<Picture, StudyError> {
         match (rung, self.scene) {
-            (Rung::Filter(method), _) => Ok(self.run(*method, progress)?.picture),
+            (Rung::Filter(method), _) => Ok(self.run(*method, progress)?.filtered.picture),
             (Rung::Hybrid(settings), Some(scene)) => {
                 Ok(hybrid(scene, self.camera, self.frame, settings, progress)?.picture)
             }
@@ -150,35 +145,37 @@ impl Evidence<'_> {
         let started = Instant::now();
         let display = self.frame.display;
         let filtered = filter::apply(&FrameView::whole(self.frame), self.camera, &method, display, progress)?;
-        let seconds = started.elapsed().as_secs_f64();
-        let (picture, kernel) = (filtered.picture, filtered.kernel);
-        Ok(Run { picture, predicted: filtered.predicted_error, kernel, seconds })
+        Ok(Run { filtered, seconds: started.elapsed().as_secs_f64() })
     }
 }
 
 impl Run {
+    /// What it predicts of itself; it was asked to.
+    fn own_error(&self, with_flip: bool) -> Result<ExpectedError, StudyError> {
+        Ok(error_of_filtered(&self.filtered, with_flip)?.expect("the prediction that was asked for"))
+    }
+
     fn forecast(&self, method: Method, error: ExpectedError) -> Forecast {
         // The prediction itself took its part of the time
-        let share = if self.predicted.is_some() { UNPREDICTED } else { 1.0 };
+        let share = if self.filtered.predicted_error.is_some() { UNPREDICTED } else { 1.0 };
         let seconds = (share * self.seconds).max(1e-9);
-        Forecast { rung: Rung::Filter(method), seconds, error, kernel: Some(self.kernel) }
+        Forecast { rung: Rung::Filter(method), seconds, error, kernel: Some(self.filtered.kernel) }
     }
 }
 
 impl Noise {
     fn new(scene: &Scene, evidence: &Evidence, progress: &dyn Progress) -> Result<Self, StudyError> {
         let display = evidence.frame.display;
-        let pixels = Pixels::Window(PixelWindow::of_size(display.width, display.height));
         let area = display.area() as u64;
         let (_, half) = HALVES.into_iter().find(|&(most, _)| area < most).expect("a number for every size");
         let started = Instant::now();
-        let sums = trace::render(scene, evidence.camera, &pixels, 0..half, evidence.seed, progress)?;
+        let sums = trace::render(scene, evidence.camera, &display.into(), 0..half, evidence.seed, progress)?;
         let samples = f64::from(2 * half);
         let seconds_per_sample = started.elapsed().as_secs_f64() / samples;
         let halves = sums.to_truth()?.halves;
         let [a, b] = &halves;
         let square = Plane::from_fn(display, |x, y| {
-            let (a, b) = (a.at(x - display.x, y - display.y), b.at(x - display.x, y - display.y));
+            let (a, b) = (a.at(x, y), b.at(x, y));
             (0..3).map(|c| 0.25 * (a[c] - b[c]).powi(2)).sum::<f32>() / 3.0
         });
         Ok(Self { halves, square, samples, seconds_per_sample })
@@ -210,10 +207,10 @@ impl Noise {
         &self,
         settings: &HybridSettings,
         merged: &Run,
-        predicted: &Plane,
         filter_flip: Option<f64>,
         halves_flip: Option<f64>,
     ) -> Forecast {
+        let predicted = &merged.filtered.predicted_error.as_ref().expect("the prediction that was asked for").total;
         let display = predicted.window();
         let wide = widened(predicted);
         let (mut filtered, mut noise, mut samples) = (0.0, 0.0, 0_u64);
@@ -238,7 +235,7 @@ impl Noise {
         });
         let error = ExpectedError { rmse: filtered.hypot(noise), hdr_flip };
         let seconds = merged.seconds + self.seconds_per_sample * samples as f64 / count;
-        Forecast { rung: Rung::Hybrid(*settings), seconds, error, kernel: Some(merged.kernel) }
+        Forecast { rung: Rung::Hybrid(*settings), seconds, error, kernel: Some(merged.filtered.kernel) }
     }
 }
 
