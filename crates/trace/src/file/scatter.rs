@@ -7,6 +7,8 @@ use super::spec::ScatterSpec;
 
 /// Most copies of one scatter.
 const MOST: u32 = 100_000;
+/// Most copies that keep a distance: each place is held against all others.
+const MOST_SPACED: u32 = 5_000;
 /// Places that are tried for each copy, where they keep a distance.
 const TRIES: u64 = 30;
 
@@ -40,6 +42,11 @@ pub(super) fn placements(spec: &ScatterSpec) -> Result<Vec<DAffine3>, Fault> {
     }
     if !(least > 0.0 && least <= most && most.is_finite()) {
         return Fault::says("scale of a scatter is [least, most], both positive");
+    }
+    if spec.spacing > 0.0 && spec.count > MOST_SPACED {
+        return Fault::says(format!(
+            "a scatter with spacing has at most {MOST_SPACED} copies; split it, or leave spacing out"
+        ));
     }
     let mut numbers = Numbers(spec.seed);
     let mut places: Vec<DVec3> = Vec::new();
@@ -102,6 +109,7 @@ mod tests {
     fn what_cannot_be_is_refused() {
         assert!(placements(&ScatterSpec { spacing: 3.0, ..spec() }).is_err());
         assert!(placements(&ScatterSpec { count: 1 << 30, ..spec() }).is_err());
+        assert!(placements(&ScatterSpec { count: MOST_SPACED + 1, spacing: 1e-9, ..spec() }).is_err());
         assert!(placements(&ScatterSpec { from: [f64::NAN; 3], ..spec() }).is_err());
         assert!(placements(&ScatterSpec { scale: Some([0.0, 1.0]), ..spec() }).is_err());
     }
