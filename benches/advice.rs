@@ -34,7 +34,9 @@ fn main() {
     let file = SceneFile::open(&file).expect("a scene of the project");
     let folder = std::env::temp_dir().join(format!("tiltshift-advice-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder for pictures");
-    println!("scene,shot,width,rung,forecast_s,seconds,forecast_rmse,rmse,forecast_flip,flip");
+    println!(
+        "scene,shot,width,rung,forecast_s,kernel_s,command_s,forecast_rmse,rmse,forecast_flip,flip,doubt_rmse,doubt_flip"
+    );
     for (name, shot) in file.shots() {
         if words.get(1).is_some_and(|wanted| wanted != name && wanted != "all") || shot.camera.iris.radius() == 0.0 {
             continue;
@@ -58,7 +60,7 @@ fn case(scene: &trace::Scene, camera: &Camera, samples: u32, folder: &Path) -> V
     let evidence = Evidence { scene: Some(scene), camera, frame: &frame, seed: SEEDS[2] };
     let forecasts = forecasts(&evidence, true, &Silent).expect("forecasts");
     if samples == 0 {
-        return forecasts.iter().map(|forecast| line(forecast, [f64::NAN; 3])).collect();
+        return forecasts.iter().map(|forecast| line(forecast, [f64::NAN; 4])).collect();
     }
     let truth = trace::truth(scene, camera, window, samples, SEEDS[0], &Silent).expect("a truth");
     let rungs: Vec<_> = forecasts.iter().map(|forecast| forecast.rung).collect();
@@ -72,14 +74,18 @@ fn case(scene: &trace::Scene, camera: &Camera, samples: u32, folder: &Path) -> V
     let lines = forecasts.iter().zip(&measured).map(|(forecast, measured)| {
         let comparison = Comparison::new(&reference, &measured.picture, &masks).expect("pictures of one window");
         let error = study::PointError::from(&comparison);
-        line(forecast, [measured.kernel.median(), error.all.rmse, error.flip_hdr])
+        line(forecast, [measured.kernel.median(), measured.command.median(), error.all.rmse, error.flip_hdr])
     });
     lines.collect()
 }
 
-/// What was forecast of a rung, and what was measured: seconds, RMS error, HDR-FLIP.
-fn line(forecast: &study::Forecast, [seconds, rmse, flip]: [f64; 3]) -> String {
-    let forecast_flip = forecast.error.hdr_flip.unwrap_or(f64::NAN);
-    let (name, expected) = (forecast.rung.name(), forecast.error.rmse);
-    format!("{name},{:.5},{seconds:.5},{expected:.6},{rmse:.6},{forecast_flip:.5},{flip:.5}", forecast.seconds)
+/// What was forecast of a rung, and what was measured: seconds of the kernel and of the whole, RMS error, HDR-FLIP.
+fn line(forecast: &study::Forecast, [kernel, command, rmse, flip]: [f64; 4]) -> String {
+    let study::Forecast { rung, seconds, error, doubt, .. } = forecast;
+    let (name, expected, expected_flip) = (rung.name(), error.rmse, error.hdr_flip.unwrap_or(f64::NAN));
+    let [rmse_doubt, flip_doubt] = doubt.map_or([f64::NAN; 2], |doubt| [doubt.rmse, doubt.hdr_flip]);
+    format!(
+        "{name},{seconds:.5},{kernel:.5},{command:.5},{expected:.6},{rmse:.6},{expected_flip:.5},{flip:.5},\
+         {rmse_doubt:.3},{flip_doubt:.3}"
+    )
 }

@@ -50,7 +50,7 @@ mod transfer;
 pub use comparison::Comparison;
 pub use error::CompareError;
 pub use figures::{Figures, Intervals};
-pub use flip_alone::mean_flip_hdr;
+pub use flip_alone::{flip_hdr_at, mean_flip_hdr};
 pub use flip_hdr::Exposures;
 pub use flip_ldr::PIXELS_PER_DEGREE;
 pub use heat::{HeatKind, round_scale};

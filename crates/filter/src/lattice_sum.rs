@@ -11,6 +11,9 @@ pub(crate) const SPAN: usize = STARTS + LANES;
 /// The sum of the weights, then red, green, blue and alpha, divided by it.
 pub(crate) const CHANNELS: usize = 5;
 
+/// Neighbours that are summed up beforehand.
+const GROUP: usize = 4;
+
 /// A row of cells: kernels that are 1 inside, `min(max(a - b m, 0), 1)` of the metric m of an offset in cells, and weights.
 pub(crate) struct Row {
     pub(crate) a: [f32; SPAN],
@@ -18,6 +21,8 @@ pub(crate) struct Row {
     pub(crate) weight: [f32; SPAN],
     /// Colour times weight.
     pub(crate) rgba: [[f32; SPAN]; 4],
+    /// Weight and colour of each cell and the `GROUP` - 1 after it, where `inside` is positive.
+    groups: [[f32; SPAN]; CHANNELS],
     /// Change of a per cell of defocus.
     pub(crate) turn: [f32; SPAN],
     /// One over the defocus, no more than 1.
@@ -28,6 +33,8 @@ pub(crate) struct Row {
     pub(crate) upright: [f32; SPAN],
     /// Offsets of a larger metric receive nothing from this row.
     pub(crate) limit: f32,
+    /// At offsets of no larger metric all kernels of this row are 1; 0 where that is not known.
+    inside: f32,
 }
 
 impl Default for Row {
@@ -38,11 +45,13 @@ impl Default for Row {
             b: line,
             weight: line,
             rgba: [line; 4],
+            groups: [line; CHANNELS],
             turn: line,
             inverse: line,
             mirrored: line,
             upright: line,
             limit: 0.0,
+            inside: 0.0,
         }
     }
 }
@@ -50,10 +59,32 @@ impl Default for Row {
 impl Row {
     /// Forgets what its first `count` cells and the vector after them hold.
     pub(crate) fn clear(&mut self, count: usize) {
-        let Self { a, b, weight, rgba, turn, inverse, mirrored, upright, limit } = self;
-        *limit = 0.0;
+        let Self { a, b, weight, rgba, groups: _, turn, inverse, mirrored, upright, limit, inside } = self;
+        [*limit, *inside] = [0.0; 2];
         for line in [a, b, weight, turn, inverse, mirrored, upright].into_iter().chain(rgba) {
             line[..(count + LANES).min(SPAN)].fill(0.0);
+        }
+    }
+
+    /// Sums up groups of neighbours, for kernels that depend on the metric alone: what lies within all of them needs no look at
+    /// each. The cells `from..to` of `count` are there.
+    #[inline(always)]
+    pub(crate) fn group(&mut self, (from, to): (usize, usize), count: usize, channels: usize) {
+        let inside = self.a[from..to].iter().zip(&self.b[from..to]).fold(f32::INFINITY, |inside, (a, b)| {
+            let own = (a - 1.0) / b;
+            if own < inside { own } else { inside }
+        });
+        // A group fits into two cells to each side
+        self.inside = if inside >= 4.0 && inside.is_finite() { inside } else { 0.0 };
+        if self.inside == 0.0 {
+            return;
+        }
+        let end = (count + LANES).min(SPAN) - GROUP + 1;
+        let lines = std::iter::once(&self.weight).chain(&self.rgba[..channels - 1]);
+        for (group, line) in self.groups.iter_mut().zip(lines) {
+            for (group, cells) in group[..end].iter_mut().zip(line.windows(GROUP)) {
+                *group = (cells[0] + cells[1]) + (cells[2] + cells[3]);
+            }
         }
     }
 }
@@ -75,11 +106,12 @@ pub(crate) struct Offset {
 /// A neighbour that two rows receive from.
 type Pair = [Offset; 2];
 
-/// Neighbours in one row.
+/// Neighbours in one row, from `start` to `end` in `pairs`; all of `inside` have a share of 1.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Span {
     first: usize,
     start: usize,
+    inside: [usize; 2],
     end: usize,
 }
 
@@ -109,7 +141,8 @@ impl Offsets {
             let last = (first..=reach).rev().find(is_wanted).unwrap_or(first - 1);
             let start = self.pairs.len();
             self.pairs.extend((first..=last).map(|dx| [offset(dx, dy).0, offset(dx, dy - 1).0]));
-            self.rows.push(Span { first: (first + reach) as usize, start, end: self.pairs.len() });
+            let end = self.pairs.len();
+            self.rows.push(Span { first: (first + reach) as usize, start, inside: [end; 2], end });
         }
     }
 
@@ -120,10 +153,28 @@ impl Offsets {
         spans.extend(rows.iter().zip(&self.rows).map(|(row, span)| {
             let is_near = |pair: &Pair| pair.iter().any(|offset| offset.metric.min(offset.mirrored) <= row.limit);
             let pairs = &self.pairs[span.start..span.end];
-            let Some(before) = pairs.iter().position(is_near) else { return Span { end: span.start, ..*span } };
+            let Some(before) = pairs.iter().position(is_near) else {
+                return Span { inside: [span.start; 2], end: span.start, ..*span };
+            };
             let after = pairs.iter().rev().position(is_near).unwrap_or(0);
-            Span { first: span.first + before, start: span.start + before, end: span.end - after }
+            let (start, end) = (span.start + before, span.end - after);
+            let inside = self.inside(row, start, end);
+            Span { first: span.first + before, start, inside, end }
         }));
+    }
+
+    /// Which of the pairs lie inside all kernels of a row, in whole groups.
+    fn inside(&self, row: &Row, start: usize, end: usize) -> [usize; 2] {
+        let pairs = &self.pairs[start..end];
+        let is_inside = |pair: &Pair| pair.iter().all(|offset| offset.metric <= row.inside);
+        if row.inside == 0.0 {
+            return [end; 2];
+        }
+        // An outline is convex: whatever lies between two that are inside is so too
+        let Some(from) = pairs.iter().position(is_inside) else { return [end; 2] };
+        let last = pairs.iter().rposition(is_inside).unwrap_or(from);
+        let groups = (last + 1 - from) / GROUP;
+        [start + from, start + from + groups * GROUP]
     }
 }
 
@@ -141,9 +192,24 @@ pub(crate) fn sum<S: Simd, const BENT: bool, const ELLIPTIC: bool, const ODD: bo
     let channels = if OPAQUE { CHANNELS - 1 } else { CHANNELS };
     let mut sums = [[zero; CHANNELS]; 2];
     for (row, span) in rows.iter().zip(spans) {
-        for (k, pair) in offsets.pairs[span.start..span.end].iter().enumerate() {
-            // The mask tells the compiler that the vector lies within the line
-            let i = (x + span.first + k) & (STARTS - 1);
+        // The mask tells the compiler that the vector lies within the line
+        let start = |k: usize| (x + span.first + k - span.start) & (STARTS - 1);
+        if !BENT {
+            let mut groups = [zero; CHANNELS];
+            for k in (span.inside[0]..span.inside[1]).step_by(GROUP) {
+                let i = start(k);
+                for (sum, line) in groups[..channels].iter_mut().zip(&row.groups) {
+                    *sum += f32x8::from_slice(simd, &line[i..i + LANES]);
+                }
+            }
+            for sums in &mut sums {
+                sums.iter_mut().zip(&groups[..channels]).for_each(|(sum, group)| *sum += *group);
+            }
+        }
+        let [inside, outside] = if BENT { [span.end; 2] } else { span.inside };
+        for k in (span.start..inside).chain(outside..span.end) {
+            let pair = &offsets.pairs[k];
+            let i = start(k);
             let at = |line: &[f32; SPAN]| f32x8::from_slice(simd, &line[i..i + LANES]);
             let (a, b) = (at(&row.a), at(&row.b));
             for (sums, offset) in sums.iter_mut().zip(pair) {
@@ -154,7 +220,7 @@ pub(crate) fn sum<S: Simd, const BENT: bool, const ELLIPTIC: bool, const ODD: bo
                         let lean = at(&row.inverse) * (one - at(&row.upright)) * offset.skew;
                         metric *= lean.mul_add(lean * 3.0 - 2.0, one);
                     }
-                    let mut cover = a - b * metric;
+                    let mut cover = (-b).mul_add(metric, a);
                     if BENT {
                         cover = at(&row.turn).mul_add(f32x8::splat(simd, offset.bend), cover);
                     }

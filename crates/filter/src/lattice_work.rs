@@ -239,6 +239,9 @@ impl Lattice<'_> {
                 }
             }
         }
+        if !BENT {
+            row.group((from, to), count, channels + 1);
+        }
     }
 
     /// The metric beyond which a kernel of a radius in cells is 0.

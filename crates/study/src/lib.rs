@@ -38,7 +38,8 @@ mod step;
 mod timing;
 
 pub use advice::{
-    Choice, Evidence, ExpectedError, Forecast, Tolerance, choose, error_of_filtered, forecasts, is_trusted_within,
+    Choice, Doubt, Evidence, ExpectedError, Forecast, Tolerance, choose, error_of_filtered, forecasts,
+    is_trusted_within,
 };
 pub use benchmark::{BENCHMARK_FORMAT, Benchmark, Case, Score, checksum, score};
 pub use causes::{CAUSES_FORMAT, Cause, CauseShare, Causes, CausesReport, CausesSettings, Shares, Verdict, causes};

@@ -102,7 +102,8 @@ impl Rung {
         if let Self::Hybrid(settings) = self { Some(settings.tolerance) } else { None }
     }
 
-    /// Its name in reports, such as `merged 2 layers`, `hybrid 0.01` or `trace 256`.
+    /// Its name in reports, such as `merged 2 layers`, `hybrid 0.01`, `hybrid 0.01 64` (with other than 256 samples) or
+    /// `trace 256`.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
@@ -111,7 +112,10 @@ impl Rung {
                 Some(layers) if layers > 1 => format!("{} {layers} layers", method.name()),
                 _ => format!("{} 1 layer", method.name()),
             },
-            Self::Hybrid(settings) => format!("hybrid {}", settings.tolerance),
+            Self::Hybrid(HybridSettings { tolerance, samples, .. }) => {
+                let usual = *samples == HybridSettings::default().samples;
+                if usual { format!("hybrid {tolerance}") } else { format!("hybrid {tolerance} {samples}") }
+            }
             Self::Trace { samples } => format!("trace {samples}"),
         }
     }

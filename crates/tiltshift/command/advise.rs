@@ -25,7 +25,7 @@ use crate::values::{Size, positive};
 
 /// Say which method is the cheapest that comes within a tolerance.
 ///
-/// A few cheap runs (the filter with its own prediction of its error, a trace of few samples) tell what every method would
+/// A few cheap runs (the filter with its own prediction of its error, a trace of few samples, a few tiles traced well) tell what every method would
 /// cost on this machine and how wrong it would be; the cheapest that is expected to be within the tolerance is named, with
 /// the reason. Of a scene the tracer and the hybrid are methods too, and the time to trace colour and depth for the filter is
 /// in no method's time, as if the frame were there already; of a picture with depth, read as `tiltshift filter` reads it, only
@@ -178,7 +178,11 @@ fn print_text(options: &Options, subject: &Subject, all: &[Forecast], choice: &C
     let chosen = choice.forecast;
     let expected = tolerance.text_of(&chosen.error);
     let kernel = chosen.kernel.map(|kernel| format!(", {kernel} footprint")).unwrap_or_default();
-    let verdict = if choice.is_within { "expected to be within" } else { "the nearest, but not expected to be within" };
+    let verdict = match (choice.is_within, chosen.doubt) {
+        (true, Some(_)) => format!("expected to be within (chance {:.0} %)", (100.0 * choice.chance).min(99.0)),
+        (true, None) => "expected to be within".to_owned(),
+        (false, _) => "the nearest, but not expected to be within".to_owned(),
+    };
     print(format_args!(
         "{}{kernel}: {expected} in {:.3} s, {verdict} {}",
         chosen.rung.name(),
@@ -247,6 +251,7 @@ fn print_json(
         "budget_seconds": options.budget,
         "chosen": told(choice.forecast),
         "is_within": choice.is_within,
+        "chance": choice.chance,
         "is_limited_by_budget": choice.is_limited_by_budget,
         "methods": all.iter().map(told).collect::<Vec<_>>(),
         "pilot_seconds": seconds,

@@ -211,6 +211,18 @@ impl Accumulation {
         (0..3).map(|c| (of(a, c) - of(b, c)).powi(2)).sum()
     }
 
+    /// R, G and B of both halves of a pixel; `None` where one of them has no sample.
+    #[must_use]
+    pub fn halves_at(&self, x: i32, y: i32) -> Option<[[f32; 3]; 2]> {
+        if self.samples_at(x, y).contains(&0) {
+            return None;
+        }
+        Some([0, 1].map(|half: usize| {
+            let [r, g, b, _] = self.halves[self.window.index(x, y)][half].mean();
+            [r, g, b]
+        }))
+    }
+
     /// RMS error of the picture so far over R, G and B of all pixels: half the RMS difference of the halves, which have the
     /// same number of samples in each pixel.
     #[must_use]

@@ -1,12 +1,17 @@
 //! The cheapest rung that will do.
 
-use crate::{ExpectedError, Forecast, Rung, Tolerance, advice::calibration::margin};
+use crate::{ExpectedError, Forecast, Rung, Tolerance, advice::calibration::chance};
+
+/// A chance (0 to 1) at which a rung is as good as sure.
+const SURE: f64 = 0.98;
 
 /// What to run, and why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice<'a> {
     /// The rung to run.
     pub forecast: &'a Forecast,
+    /// The chance that it is truly within the tolerance, 0 to 1.
+    pub chance: f64,
     /// Whether it is expected to be within the tolerance.
     pub is_within: bool,
     /// The next cheaper rung, and why not that.
@@ -15,43 +20,48 @@ pub struct Choice<'a> {
     pub is_limited_by_budget: bool,
 }
 
-/// The cheapest rung whose error is expected to be within the tolerance, with the calibrated margin for each family, and
-/// whose time within the budget in seconds. Where none is, the one of the budget that comes nearest (the cheapest of all
-/// where even that takes too long); `None` without forecasts.
+/// The rung that leads to a picture within the tolerance in the least time, as far as the forecasts tell, and whose own time is
+/// within the budget in seconds.
+///
+/// That time is the rung's own, and where it fails, that of the cheapest which is as good as sure. Of what is more likely to fail
+/// than not, nothing is advised: where all is, the one of the budget that comes nearest (the cheapest of all where even that
+/// takes too long). `None` without forecasts.
 #[must_use]
 pub fn choose<'a>(forecasts: &'a [Forecast], tolerance: &Tolerance, budget: Option<f64>) -> Option<Choice<'a>> {
-    let used = |forecast: &Forecast| used(&forecast.rung, &forecast.error, tolerance);
+    let chance = |forecast: &Forecast| chance(&forecast.rung, &forecast.error, forecast.doubt, tolerance);
     let cheapest = |a: &&Forecast, b: &&Forecast| a.seconds.total_cmp(&b.seconds);
     let affordable = |forecast: &&Forecast| budget.is_none_or(|budget| forecast.seconds <= budget);
-    let within = |forecast: &&Forecast| used(forecast) <= 1.0;
+    let is_likely = |forecast: &&Forecast| chance(forecast) >= 0.5;
 
-    let chosen = forecasts.iter().filter(affordable).filter(within).min_by(cheapest);
+    let seconds = |forecast: &Forecast| forecast.seconds;
+    let sure = forecasts.iter().filter(|forecast| chance(forecast) >= SURE).map(seconds).reduce(f64::min);
+    let sure = sure.or_else(|| forecasts.iter().map(seconds).reduce(f64::max))?;
+    let in_the_end = |forecast: &Forecast| forecast.seconds + (1.0 - chance(forecast)) * sure;
+    let chosen =
+        forecasts.iter().filter(affordable).filter(is_likely).min_by(|a, b| in_the_end(a).total_cmp(&in_the_end(b)));
+    let used = |forecast: &Forecast| tolerance.used_by(&forecast.error);
     let nearest = || forecasts.iter().filter(affordable).min_by(|a, b| used(a).total_cmp(&used(b)));
     let forecast = chosen.or_else(nearest).or_else(|| forecasts.iter().min_by(cheapest))?;
     let cheaper = forecasts.iter().filter(|other| other.seconds < forecast.seconds).max_by(cheapest);
-    let is_limited_by_budget = chosen.is_none() && forecasts.iter().any(|other| within(&other));
-    Some(Choice { forecast, is_within: chosen.is_some(), cheaper, is_limited_by_budget })
+    let is_limited_by_budget = chosen.is_none() && forecasts.iter().any(|other| is_likely(&other));
+    Some(Choice { forecast, chance: chance(forecast), is_within: chosen.is_some(), cheaper, is_limited_by_budget })
 }
 
-/// Whether a rung's error, as forecast or as it predicted it itself, is trusted to be within a tolerance.
+/// Whether a rung's error, as it predicted it itself, is trusted to be within a tolerance.
 #[must_use]
 pub fn is_trusted_within(rung: &Rung, error: &ExpectedError, tolerance: &Tolerance) -> bool {
-    used(rung, error, tolerance) <= 1.0
-}
-
-/// How far an error exhausts a tolerance, with the margin of its rung.
-fn used(rung: &Rung, error: &ExpectedError, tolerance: &Tolerance) -> f64 {
-    tolerance.used_by(error) * margin(rung, tolerance)
+    chance(rung, error, None, tolerance) >= 0.5
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Doubt;
     use filter::Method;
 
     fn forecast(samples: u32, seconds: f64, rmse: f64) -> Forecast {
         let error = ExpectedError { rmse, hdr_flip: None };
-        Forecast { rung: Rung::Trace { samples }, seconds, error, kernel: None }
+        Forecast { rung: Rung::Trace { samples }, seconds, error, doubt: None, kernel: None }
     }
 
     #[test]
@@ -77,10 +87,23 @@ mod tests {
     }
 
     #[test]
+    fn a_risk_is_taken_where_being_sure_costs_more() {
+        let doubtful =
+            |seconds, rmse| Forecast { doubt: Some(Doubt { rmse: 0.1, hdr_flip: 0.1 }), ..forecast(4, seconds, rmse) };
+        let chosen = |dear: f64| {
+            let all = [doubtful(1.0, 0.0095), doubtful(dear, 0.001)];
+            choose(&all, &Tolerance::Rmse(0.01), None).unwrap().forecast.seconds
+        };
+        assert_eq!(chosen(1.2), 1.2, "what is sure costs hardly more than what is likely");
+        assert_eq!(chosen(100.0), 1.0);
+        let all = [doubtful(1.0, 0.0105), doubtful(100.0, 0.001)];
+        assert_eq!(choose(&all, &Tolerance::Rmse(0.01), None).unwrap().forecast.seconds, 100.0, "no bad bets");
+    }
+
+    #[test]
     fn what_is_not_trusted_needs_room() {
         let error = ExpectedError { rmse: 0.0099, hdr_flip: Some(0.0099) };
         let filter = Rung::Filter(Method::default());
-        assert!(is_trusted_within(&Rung::Trace { samples: 64 }, &error, &Tolerance::Rmse(0.01)));
         assert!(!is_trusted_within(&filter, &error, &Tolerance::Rmse(0.01)));
         assert!(is_trusted_within(&filter, &error, &Tolerance::Rmse(0.0125)));
         assert!(!is_trusted_within(&filter, &ExpectedError { hdr_flip: None, ..error }, &Tolerance::HdrFlip(1.0)));

@@ -14,6 +14,15 @@ pub struct ExpectedError {
     pub hdr_flip: Option<f64>,
 }
 
+/// How far a forecast error that was held against a trace may be off: relative standard errors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Doubt {
+    /// Of the root mean square error.
+    pub rmse: f64,
+    /// Of HDR-FLIP.
+    pub hdr_flip: f64,
+}
+
 /// What a rung would cost here, and how wrong its picture would be.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Forecast {
@@ -23,6 +32,8 @@ pub struct Forecast {
     pub seconds: f64,
     /// The error to expect: as likely too large as too small.
     pub error: ExpectedError,
+    /// How far that may be off; `None` where the filter's own prediction is all there is.
+    pub doubt: Option<Doubt>,
     /// The footprint that the filter takes; `None` for the tracer.
     pub kernel: Option<KernelModel>,
 }

@@ -3,10 +3,13 @@
 mod calibration;
 mod choice;
 mod forecast;
+mod noise;
 mod pilot;
+mod spots;
 mod tolerance;
+mod traced;
 
 pub use choice::{Choice, choose, is_trusted_within};
-pub use forecast::{ExpectedError, Forecast};
+pub use forecast::{Doubt, ExpectedError, Forecast};
 pub use pilot::{Evidence, error_of_filtered, forecasts};
 pub use tolerance::Tolerance;

@@ -1,15 +1,16 @@
 //! A few cheap runs, from which all rungs are forecast.
 //!
-//! - The merged gather with all layers makes the picture and predicts its own error e of each pixel: that is the filter's
-//!   forecast, and the root of the mean of e^2 its RMS error.
-//! - A cheaper rung of the filter is held against that picture; the filter's own error joins as independent.
-//! - The tracer takes 16 samples (fewer in a large picture), in two halves: their difference tells the noise, which falls with a power of the number of
-//!   samples, and their seconds its speed.
-//! - The hybrid is put together pixel by pixel from e and from the noise, as `hybrid.rs` would.
+//! - The merged gather makes the picture, with all layers and with one, and predicts its own error e of each pixel: that is the
+//!   filter's forecast, and the root of the mean of e^2 its RMS error.
+//! - Of a scene, the tracer takes 16 samples (fewer in a large picture), in two halves: their difference tells the noise, which
+//!   falls with a power of the number of samples, and their seconds its speed.
+//! - Then it takes 256 samples in a few tiles (`spots.rs`), which tell how wrong the filter really is, and that power.
+//! - A cheaper rung of the filter is held against the filter's best; the error of that joins as independent.
+//! - The hybrid is put together pixel by pixel from e, from what the tiles show, and from the noise, as `hybrid.rs` would.
 //!
-//! For HDR-FLIP, which no map of errors tells, pictures are made that differ as much as is forecast: the filter's picture
-//! and itself with an error of e of random sign (from texture one for each pixel; what is guessed is wrong over a wider area,
-//! which is seen more: there one for 2x2 pixels); the two halves of the trace, whose difference has twice the noise.
+//! HDR-FLIP, which no map of errors tells, comes from the tiles. Without a scene a picture is made that differs as much as is
+//! forecast: the filter's own with an error of e of random sign (from texture one for each pixel; what is guessed is wrong over a
+//! wider area, which is seen more: there one for 2x2 pixels).
 
 use std::time::Instant;
 
@@ -19,25 +20,16 @@ use optics::Camera;
 use rgbd::{Frame, Picture, PixelWindow, Plane, Progress};
 use trace::Scene;
 
-use crate::hybrid::{hybrid, samples_of, trace_weight, widened};
-use crate::{ExpectedError, Forecast, HybridSettings, Rung, StudyError, step::Step};
-
-/// Samples in each half of the pilot's trace of a picture of less than so many pixels.
-const HALVES: [(u64, u32); 3] = [(400_000, 8), (1_600_000, 4), (u64::MAX, 2)];
-
-/// Noise of n samples falls as n^-POWER, and what HDR-FLIP makes of it as n^-FLIP_POWER, as was seen on `simple/tilt`.
-const POWER: f64 = 0.66;
-const FLIP_POWER: f64 = 0.6;
+use crate::advice::forecast::Doubt;
+use crate::advice::traced::Traced;
+use crate::{ExpectedError, Forecast, HybridSettings, Rung, StudyError, hybrid::hybrid, step::Step};
 
 /// Samples per pixel of the tracer's rungs.
 const TRACES: [u32; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
 
-/// Tolerances of the hybrid's rungs.
-const HYBRIDS: [f32; 5] = [0.04, 0.02, 0.01, 0.005, 0.0025];
-
-/// Time of the merged gather without a prediction over that with one: about the median of both scenes of
-/// `benches/results/2026-11-26-advice.md`, where it scatters by half.
-const UNPREDICTED: f64 = 0.5;
+/// Tolerances of the hybrid's rungs, and their samples.
+const HYBRIDS: [f32; 6] = [0.08, 0.04, 0.02, 0.01, 0.005, 0.0025];
+const HYBRID_SAMPLES: [u32; 3] = [16, 64, 256];
 
 /// What the advice is about.
 #[derive(Debug, Clone, Copy)]
@@ -58,17 +50,8 @@ struct Run {
     seconds: f64,
 }
 
-/// What the tracer's pilot found.
-struct Noise {
-    /// The two halves.
-    halves: [Picture; 2],
-    /// Mean square noise of both together, per pixel.
-    square: Plane,
-    /// Samples of both together.
-    samples: f64,
-    /// Seconds for one sample of every pixel.
-    seconds_per_sample: f64,
-}
+/// An error, and how far it may be off if that is known.
+type Known = (ExpectedError, Option<Doubt>);
 
 /// Forecasts of every rung that the evidence allows, from cheap runs on this machine.
 ///
@@ -76,40 +59,54 @@ struct Noise {
 pub fn forecasts(evidence: &Evidence, with_flip: bool, progress: &dyn Progress) -> Result<Vec<Forecast>, StudyError> {
     let display = evidence.frame.display;
     let layers = evidence.frame.layers().len();
-    let step = |index: usize| Step { whole: progress, index, count: 4 };
-    let flip = |a: &Picture, b: &Picture| -> Result<Option<f64>, StudyError> {
-        Ok(if with_flip { Some(mean_flip_hdr(a, b, display)?) } else { None })
-    };
-    let mut all = Vec::new();
-
-    // The filter's best, and the rest of the filter held against it
-    let gather = |layers| GatherSettings { layers, predict_error: true, ..GatherSettings::default() };
+    let step = |index: usize| Step { whole: progress, index, count: 6 };
     let plain = |layers| GatherSettings { layers, ..GatherSettings::default() };
-    let merged = evidence.run(Method::Merged(gather(layers)), &step(0))?;
-    let best = merged.own_error(with_flip)?;
+
+    // The filter with the prediction of its error, which takes time, and without
+    let predicting = |layers| Method::Merged(GatherSettings { predict_error: true, ..plain(layers) });
+    let merged = evidence.run(predicting(layers), &step(0))?;
+    let one = if layers > 1 { Some(evidence.run(predicting(1), &step(1))?) } else { None };
+    let seconds = evidence.run(Method::Merged(plain(layers)), &step(2))?.seconds;
+    let one_seconds = if layers > 1 { evidence.run(Method::Merged(plain(1)), &step(3))?.seconds } else { seconds };
+
+    // The tracer, where the filter may be wrong
+    let predicted = merged.predicted();
+    let expected = match &one {
+        Some(one) => Plane::from_fn(display, |x, y| predicted.total.at(x, y).max(one.predicted().total.at(x, y))),
+        None => predicted.total.clone(),
+    };
+    let traced = |scene| Traced::new(scene, evidence, &merged.filtered.picture, &expected, with_flip, &step(4));
+    let traced = evidence.scene.map(traced).transpose()?;
+    let known = |run: &Run| -> Result<Known, StudyError> {
+        Ok(match &traced {
+            Some(traced) => {
+                let (error, doubt) = traced.filtered(&run.filtered, &run.predicted().total)?;
+                (error, Some(doubt))
+            }
+            None => (run.own_error(with_flip)?, None),
+        })
+    };
+
+    // The rest of the filter is held against its best
+    let best = known(&merged)?;
+    let mut all = Vec::new();
     for method in [Method::Pinhole, Method::OwnCoc(plain(1))] {
-        let run = evidence.run(method, &step(1))?;
-        let rmse = difference(&run.filtered.picture, &merged.filtered.picture, display).hypot(best.rmse);
-        let hdr_flip = flip(&merged.filtered.picture, &run.filtered.picture)?;
-        let hdr_flip = hdr_flip.zip(best.hdr_flip).map(|(flip, best)| flip.hypot(best));
-        all.push(run.forecast(method, ExpectedError { rmse, hdr_flip }));
+        let run = evidence.run(method, &step(5))?;
+        all.push(run.forecast(method, run.seconds, run.beside(&merged, best, with_flip)?));
     }
-    if layers > 1 {
-        let run = evidence.run(Method::Merged(gather(1)), &step(2))?;
-        all.push(run.forecast(Method::Merged(plain(1)), run.own_error(with_flip)?));
+    if let Some(one) = &one {
+        all.push(one.forecast(Method::Merged(plain(1)), one_seconds, known(one)?));
     }
-    all.push(merged.forecast(Method::Merged(plain(layers)), best));
+    all.push(merged.forecast(Method::Merged(plain(layers)), seconds, best));
 
     // The tracer, and the hybrid
-    if let Some(scene) = evidence.scene {
-        let noise = Noise::new(scene, evidence, &step(3))?;
-        let halves_flip = flip(&noise.halves[0], &noise.halves[1])?;
-        for samples in TRACES {
-            all.push(noise.trace(samples, halves_flip));
-        }
+    if let Some(traced) = &traced {
+        all.extend(TRACES.map(|samples| traced.trace(samples)));
         for tolerance in HYBRIDS {
-            let settings = HybridSettings { tolerance, layers, seed: evidence.seed, ..HybridSettings::default() };
-            all.push(noise.hybrid(&settings, &merged, best.hdr_flip, halves_flip));
+            for samples in HYBRID_SAMPLES {
+                let settings = HybridSettings { tolerance, samples, layers, seed: evidence.seed };
+                all.push(traced.hybrid(&settings, &merged.filtered, &predicted.total, merged.seconds)?);
+            }
         }
     }
     Ok(all)
@@ -145,108 +142,46 @@ impl Evidence<'_> {
         let started = Instant::now();
         let display = self.frame.display;
         let filtered = filter::apply(&FrameView::whole(self.frame), self.camera, &method, display, progress)?;
-        Ok(Run { filtered, seconds: started.elapsed().as_secs_f64() })
+        Ok(Run { filtered, seconds: started.elapsed().as_secs_f64().max(1e-9) })
     }
 }
 
 impl Run {
-    /// What it predicts of itself; it was asked to.
+    /// The error that it predicts of itself; it was asked to.
+    fn predicted(&self) -> &PredictedError {
+        self.filtered.predicted_error.as_ref().expect("the prediction that was asked for")
+    }
+
     fn own_error(&self, with_flip: bool) -> Result<ExpectedError, StudyError> {
         Ok(error_of_filtered(&self.filtered, with_flip)?.expect("the prediction that was asked for"))
     }
 
-    fn forecast(&self, method: Method, error: ExpectedError) -> Forecast {
-        // The prediction itself took its part of the time
-        let share = if self.filtered.predicted_error.is_some() { UNPREDICTED } else { 1.0 };
-        let seconds = (share * self.seconds).max(1e-9);
-        Forecast { rung: Rung::Filter(method), seconds, error, kernel: Some(self.filtered.kernel) }
-    }
-}
-
-impl Noise {
-    fn new(scene: &Scene, evidence: &Evidence, progress: &dyn Progress) -> Result<Self, StudyError> {
-        let display = evidence.frame.display;
-        let area = display.area() as u64;
-        let (_, half) = HALVES.into_iter().find(|&(most, _)| area < most).expect("a number for every size");
-        let started = Instant::now();
-        let sums = trace::render(scene, evidence.camera, &display.into(), 0..half, evidence.seed, progress)?;
-        let samples = f64::from(2 * half);
-        let seconds_per_sample = started.elapsed().as_secs_f64() / samples;
-        let halves = sums.to_truth()?.halves;
-        let [a, b] = &halves;
-        let square = Plane::from_fn(display, |x, y| {
-            let (a, b) = (a.at(x, y), b.at(x, y));
-            (0..3).map(|c| 0.25 * (a[c] - b[c]).powi(2)).sum::<f32>() / 3.0
+    /// The error of a cheaper picture, by how far it is from the best and how wrong that is.
+    fn beside(&self, merged: &Self, (best, doubt): Known, with_flip: bool) -> Result<Known, StudyError> {
+        let [own, other] = [&self.filtered.picture, &merged.filtered.picture];
+        let window = other.window();
+        let rmse = difference(own, other, window).hypot(best.rmse);
+        let apart = with_flip.then(|| mean_flip_hdr(other, own, window)).transpose()?;
+        let hdr_flip = apart.zip(best.hdr_flip).map(|(apart, best)| apart.hypot(best));
+        // What is known of the best is a part of it
+        let part = |best: f64, all: f64| if all > 0.0 { (best / all).powi(2) } else { 1.0 };
+        let doubt = doubt.map(|doubt| Doubt {
+            rmse: doubt.rmse * part(best.rmse, rmse),
+            hdr_flip: doubt.hdr_flip * part(best.hdr_flip.unwrap_or(0.0), hdr_flip.unwrap_or(0.0)),
         });
-        Ok(Self { halves, square, samples, seconds_per_sample })
+        Ok((ExpectedError { rmse, hdr_flip }, doubt))
     }
 
-    /// The share of the pilot's noise that `samples` leave.
-    fn share(&self, samples: f64) -> f64 {
-        (self.samples / samples).powf(POWER)
+    fn forecast(&self, method: Method, seconds: f64, (error, doubt): Known) -> Forecast {
+        let kernel = Some(self.filtered.kernel);
+        Forecast { rung: Rung::Filter(method), seconds, error, doubt, kernel }
     }
-
-    /// HDR-FLIP of the pilot's own noise, from that of its halves, which differ by twice as much.
-    fn flip(&self, of_halves: f64) -> f64 {
-        of_halves * 0.5_f64.powf(FLIP_POWER / POWER)
-    }
-
-    fn rms(&self) -> f64 {
-        mean(self.square.values().iter().map(|&square| f64::from(square))).sqrt()
-    }
-
-    fn trace(&self, samples: u32, halves_flip: Option<f64>) -> Forecast {
-        let share = self.share(f64::from(samples));
-        let hdr_flip = halves_flip.map(|flip| self.flip(flip) * share.powf(FLIP_POWER / POWER));
-        let error = ExpectedError { rmse: self.rms() * share, hdr_flip };
-        let seconds = self.seconds_per_sample * f64::from(samples);
-        Forecast { rung: Rung::Trace { samples }, seconds, error, kernel: None }
-    }
-
-    fn hybrid(
-        &self,
-        settings: &HybridSettings,
-        merged: &Run,
-        filter_flip: Option<f64>,
-        halves_flip: Option<f64>,
-    ) -> Forecast {
-        let predicted = &merged.filtered.predicted_error.as_ref().expect("the prediction that was asked for").total;
-        let display = predicted.window();
-        let wide = widened(predicted);
-        let (mut filtered, mut noise, mut samples) = (0.0, 0.0, 0_u64);
-        for (x, y) in display.pixels() {
-            let weight = trace_weight(wide.at(x, y), settings.tolerance);
-            let left = f64::from((1.0 - weight) * predicted.at(x, y));
-            filtered += left * left;
-            let half = samples_of(weight, settings.samples.div_ceil(2));
-            if half > 0 {
-                let share = f64::from(weight) * self.share(2.0 * f64::from(half));
-                noise += f64::from(self.square.at(x, y)) * share * share;
-                samples += 2 * u64::from(half);
-            }
-        }
-        let count = display.area().max(1) as f64;
-        let [filtered, noise] = [filtered, noise].map(|sum| (sum / count).sqrt());
-
-        // Of both kinds of FLIP as much is left as of the error
-        let hdr_flip = filter_flip.zip(halves_flip).map(|(filter, halves)| {
-            let traced = (noise / self.rms().max(f64::MIN_POSITIVE)).powf(FLIP_POWER / POWER);
-            filter * filtered / rms(predicted).max(f64::MIN_POSITIVE) + self.flip(halves) * traced
-        });
-        let error = ExpectedError { rmse: filtered.hypot(noise), hdr_flip };
-        let seconds = merged.seconds + self.seconds_per_sample * samples as f64 / count;
-        Forecast { rung: Rung::Hybrid(*settings), seconds, error, kernel: Some(merged.filtered.kernel) }
-    }
-}
-
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len().max(1) as f64;
-    values.sum::<f64>() / count
 }
 
 /// Root mean square of a plane.
-fn rms(plane: &Plane) -> f64 {
-    mean(plane.values().iter().map(|&value| f64::from(value) * f64::from(value))).sqrt()
+pub(crate) fn rms(plane: &Plane) -> f64 {
+    let sum: f64 = plane.values().iter().map(|&value| f64::from(value) * f64::from(value)).sum();
+    (sum / plane.values().len().max(1) as f64).sqrt()
 }
 
 /// Root mean square difference of two pictures over R, G and B.
