@@ -7,6 +7,8 @@
 //! The cells are pixels, or squares of 2, 4, ... pixels of which the least blur radius around spans at least
 //! [`SIDES_PER_RADIUS`]. Then the sum is only taken at the centres of the cells, and what lies between is interpolated.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rgbd::{PixelWindow, Plane};
 
 use crate::{
@@ -19,7 +21,7 @@ use crate::{
 };
 
 /// How many sides of a cell the least blur radius spans.
-pub(crate) const SIDES_PER_RADIUS: f32 = 8.0;
+pub(crate) const SIDES_PER_RADIUS: f32 = 7.0;
 
 /// Blurs of more cells are left to the gather, which finds a size for each piece.
 const MOST_CELLS: i32 = 36;
@@ -41,6 +43,8 @@ const LAST_LEVEL: u32 = 5;
 
 /// The first surface as a lattice.
 pub(crate) struct Lattice<'a> {
+    /// No other lattice has this number.
+    pub(crate) run: u64,
     cells: &'a Cells,
     pub(crate) in_sight: &'a InSight,
     pub(crate) surface: &'a Surface,
@@ -115,7 +119,9 @@ impl<'a> Lattice<'a> {
         let table_of = (0..=(MOST_CELLS + 1) as usize * STEPS as usize).map(change).collect();
         let outline = table.outline().clone();
         let Tame { is_opaque, is_finite } = surface.tame;
+        static RUNS: AtomicU64 = AtomicU64::new(0);
         Self {
+            run: RUNS.fetch_add(1, Ordering::Relaxed),
             cells,
             in_sight,
             surface,

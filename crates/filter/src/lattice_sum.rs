@@ -115,11 +115,16 @@ pub(crate) struct Span {
     end: usize,
 }
 
+/// A run of the filter, cells to each side, and the lens.
+pub(crate) type OffsetsKey = (u64, i32, [f32; 9]);
+
 /// Of which neighbours cells receive, row by row.
 #[derive(Debug, Default)]
 pub(crate) struct Offsets {
     /// Cells to each side.
     pub(crate) reach: i32,
+    /// What they were made for.
+    pub(crate) key: Option<OffsetsKey>,
     /// For each row from `-reach` to `reach + 1` below the upper cell: where its first neighbour stands in a row that
     /// starts `reach` before the cell, and its neighbours in `pairs`.
     rows: Vec<Span>,

@@ -253,12 +253,21 @@ impl Lattice<'_> {
         (a / b) * (1.0 + skew) * (1.0 + skew) + 0.5
     }
 
-    /// The offsets that a blur of at most `largest` cells reaches over.
+    /// The offsets that a blur of at most `largest` cells reaches over; those that are there stay where they are the same.
     fn offsets(&self, lens: &TileLens, largest: f32, offsets: &mut Offsets) {
         let center = &lens.center;
         let skew = center.skew[0].hypot(center.skew[1]);
-        let limit = self.metric_limit(largest, center);
+        let wider = lens.stretch * (1.0 + skew);
+        let reach = ((largest + 1.0) * wider) as i32 + 1;
         let bend = lens.focus_slope.map(|s| s * center.scale);
+        let PixelLens { to_iris: [a, b, c, d], upright, skew: [along, across], .. } = *center;
+        let key = (self.run, reach, [a, b, c, d, upright, along, across, bend[0], bend[1]]);
+        if offsets.key == Some(key) {
+            return;
+        }
+
+        // What the largest blur of this reach needs
+        let limit = self.metric_limit(reach as f32 / wider - 1.0, center);
         let is_disc = matches!(self.outline, Outline::Disc);
         let metrics = |dx: i32, dy: i32| {
             let (x, y) = (dx as f32, dy as f32);
@@ -278,11 +287,11 @@ impl Lattice<'_> {
                 skew,
             }
         };
-        let reach = ((largest + 1.0) * lens.stretch * (1.0 + skew)) as i32 + 1;
         offsets.fill(reach, |dx, dy| {
             let offset = metrics(dx, dy);
             let least = offset.metric.min(offset.mirrored);
             (offset, least <= limit)
         });
+        offsets.key = Some(key);
     }
 }

@@ -119,7 +119,7 @@ fn rungs(seed: u64) -> Vec<Rung> {
             Method::LensRays(rays(layers)),
         ]);
     }
-    let hybrid = Rung::Hybrid(HybridSettings { samples: 64, seed, ..HybridSettings::default() });
+    let hybrid = Rung::Hybrid(HybridSettings { seed, ..HybridSettings::default() });
     methods.into_iter().map(Rung::Filter).chain([hybrid]).collect()
 }
 
