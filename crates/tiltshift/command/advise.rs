@@ -9,7 +9,7 @@ use clap::Args;
 use optics::Camera;
 use rgbd::{Frame, PixelWindow, ReadOptions};
 use serde_json::json;
-use study::{Choice, Evidence, Forecast, Rung, Tolerance, choose, forecasts};
+use study::{Choice, Evidence, Forecast, Rung, Tolerance, Tradeoff, choose, forecasts, frontier};
 use trace::{LayerSettings, SceneFile};
 
 use crate::command::filter::Source;
@@ -165,8 +165,15 @@ fn bounds(options: &Options) -> String {
 }
 
 fn print_text(options: &Options, subject: &Subject, all: &[Forecast], choice: &Choice, seconds: f64) {
+    // What is slower and no truer than another need not be read
     let tolerance = &options.tolerance;
-    for forecast in all {
+    let tradeoff =
+        |forecast: &Forecast| Tradeoff { seconds: forecast.seconds, error: tolerance.used_by(&forecast.error) };
+    let worth = frontier(&all.iter().map(tradeoff).collect::<Vec<_>>());
+    let is_worth = |index: usize| worth.contains(&index) || all[index] == *choice.forecast;
+    let mut shown: Vec<&Forecast> = (0..all.len()).filter(|&index| is_worth(index)).map(|index| &all[index]).collect();
+    shown.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    for forecast in shown {
         print(format_args!(
             "{} {:20} {:>9.4} s  {}",
             if forecast == choice.forecast { ">" } else { " " },
@@ -174,6 +181,9 @@ fn print_text(options: &Options, subject: &Subject, all: &[Forecast], choice: &C
             forecast.seconds,
             tolerance.text_of(&forecast.error)
         ));
+    }
+    if worth.len() < all.len() {
+        say(format_args!("of {} methods; the others are slower and no truer (--json lists all)", all.len()));
     }
     let chosen = choice.forecast;
     let expected = tolerance.text_of(&chosen.error);
