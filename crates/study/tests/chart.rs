@@ -59,7 +59,7 @@ fn a_chart_places_every_method_and_says_which_are_needless() {
     // Errors fall along the ladder, and with samples as noise does
     let rmse = |name: &str| point(name).error.all.rmse;
     assert!(rmse("merged 2 layers") < 0.5 * rmse("pinhole"));
-    assert!(rmse("hybrid 0.01") < rmse("merged 2 layers"));
+    assert!(rmse("hybrid 0.01 64") < rmse("merged 2 layers"));
     assert!(rmse("trace 16") < 0.5 * rmse("trace 2") && rmse("trace 64") < 0.6 * rmse("trace 16"));
 
     // The whole command takes longer than what it runs, and each run was timed
