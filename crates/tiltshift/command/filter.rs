@@ -148,6 +148,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
         png: options.png.clone(),
         overlay: options.overlay.clone(),
         lens: options.lens.clone(),
+        convention: None,
     };
     let report = job.run(options, options.method.memory_limit, Shown::Bar, &|line| say(line))?;
     if options.json {

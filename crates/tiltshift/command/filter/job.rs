@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use ::filter::{Filtered, FrameView, Highlights, Method, apply_in_bands, coc_radius_px};
 use anyhow::bail;
 use optics::{Camera, ThinLens};
-use rgbd::{Frame, Head, Progress};
+use rgbd::{DepthConvention, Frame, Head, Progress};
 use serde::Serialize;
 
 use super::aim::{Taken, camera, describe};
@@ -27,6 +27,8 @@ pub(in crate::command) struct Job {
     pub(in crate::command) png: Option<PathBuf>,
     pub(in crate::command) overlay: Option<PathBuf>,
     pub(in crate::command) lens: LensOptions,
+    /// What its depth is taken as where nobody says so; told from its own flat surfaces without.
+    pub(in crate::command) convention: Option<DepthConvention>,
 }
 
 /// How progress is shown.

@@ -217,6 +217,7 @@ fn job(frame: i64, input: &Path, options: &Options, keys: Option<&FocusKeys>) ->
         png: options.png.as_ref().map(result),
         overlay: options.overlay.as_ref().map(result),
         lens: keys.map_or_else(|| options.lens.clone(), |keys| keys.at(frame, &options.lens)),
+        convention: None,
     }
 }
 
