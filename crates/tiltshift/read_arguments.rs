@@ -59,8 +59,11 @@ pub(crate) struct ReadArguments {
     /// and above, the largest half, and 0 where alpha is 0 mean so anyway.
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     background: Option<f32>,
-    /// Fill the holes of a depth map from what is known around them, along the colours of the picture.
+    /// Leave the holes of a depth map; they are filled without from what is known around them, along the colours of the picture.
     #[arg(long, requires = "depth")]
+    keep_holes: bool,
+    /// What is done without --keep-holes.
+    #[arg(long, requires = "depth", conflicts_with = "keep_holes", hide = true)]
     fill_holes: bool,
     /// Refuse pictures of more pixels than this.
     #[arg(long, value_name = "N", default_value_t = ReadOptions::MAX_PIXELS)]
@@ -113,7 +116,7 @@ impl ReadArguments {
 
     /// Whether holes are to be filled.
     pub(crate) fn fills_holes(&self) -> bool {
-        self.fill_holes
+        !self.keep_holes
     }
 
     /// The most pixels that are read.

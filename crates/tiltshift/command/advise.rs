@@ -147,6 +147,7 @@ fn of_picture(options: &Options) -> anyhow::Result<Subject> {
         overlay: None,
         lens: options.lens.clone(),
         convention: None,
+        ground: None,
     };
     let source = Source { film: &options.film, read: &options.read };
     let say: Say<'_> = &|line| say(line);

@@ -55,7 +55,7 @@ fn degrees(text: &str) -> anyhow::Result<f64> {
 /// Options as they are meant where one file is looked at.
 fn without_a_map(arg: clap::Arg) -> clap::Arg {
     match arg.get_id().as_str() {
-        "depth_channel" | "fill_holes" => arg.hide(true),
+        "depth_channel" | "keep_holes" => arg.hide(true),
         "depth" => arg.value_name("NAME").help("Channel to take depth from, e.g. depth.Z, or PART/CHANNEL"),
         _ => arg,
     }

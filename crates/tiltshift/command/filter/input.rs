@@ -21,6 +21,8 @@ pub(in crate::command) struct Input {
     pub(in crate::command) lens: LensAttributes,
     /// How it is stored, where it is a photo.
     pub(in crate::command) encoding: Option<Encoding>,
+    /// What the depth was taken as, where its flat surfaces were asked.
+    pub(in crate::command) told: Option<DepthConvention>,
 }
 
 /// Reads colour and depth, and says what was understood.
@@ -47,7 +49,7 @@ pub(in crate::command) fn read(job: &Job, options: &Source<'_>, say: Say<'_>) ->
             let film = film.or(noted.film(width, height, 1.0)?);
             let head = Head { primaries: encoding.primaries, ..Head::new(picture.window()) };
             let frame = with_map(picture, &head, depth, film.as_ref(), options, say)?;
-            Ok(Input { frame, lens, encoding: Some(encoding) })
+            Ok(Input { frame, lens, encoding: Some(encoding), told: None })
         }
         (None, Some(depth)) => {
             let read = options.read.options(None, options.film.metres_per_unit);
@@ -64,7 +66,7 @@ pub(in crate::command) fn read(job: &Job, options: &Source<'_>, say: Say<'_>) ->
             let covered = picture.window().union(&head.display);
             let picture = picture.covering(covered).cropped(head.display);
             let frame = with_map(picture, &head, depth, film.as_ref(), options, say)?;
-            Ok(Input { frame, lens, encoding: None })
+            Ok(Input { frame, lens, encoding: None, told: None })
         }
     }
 }
@@ -82,16 +84,19 @@ fn read_rgbd(job: &Job, options: &Source<'_>, say: Say<'_>) -> anyhow::Result<In
     say(format_args!("read {}: {}", job.input.display(), loaded.choice));
 
     // Ask the flat surfaces, unless the file knows
+    let mut told = None;
     if !loaded.choice.is_stated && loaded.head.camera.is_none() {
         let film = film.or(loaded.lens.film(width, height, survey.pixel_aspect));
         let verdict = DepthVerdict::of(&loaded.value.layers()[0].depth, survey.display, film.as_ref());
         check_scale(&job.input, &verdict, options)?;
+        told = Some(read.convention);
         match verdict.convention.filter(|&kind| verdict.is_sure() && kind != DepthConvention::Planar) {
             Some(kind) if typed.or(job.convention).is_none() => {
                 say(format_args!(
                     "warning: its depth is taken as {verdict}; --depth-as planar takes it as planar depth all the same"
                 ));
                 loaded = read_frame(&job.input, &ReadOptions { convention: kind, ..read })?;
+                told = Some(kind);
             }
             Some(_) => say(format_args!("warning: taken as {}, its depth looks like {verdict}", read.convention)),
             None if typed.is_none() && job.convention.is_none() => say(format_args!("  its depth: {verdict}")),
@@ -99,7 +104,7 @@ fn read_rgbd(job: &Job, options: &Source<'_>, say: Say<'_>) -> anyhow::Result<In
         }
     }
     let Loaded { value: frame, lens, .. } = loaded;
-    Ok(Input { frame, lens, encoding: None })
+    Ok(Input { frame, lens, encoding: None, told })
 }
 
 /// Fails where depth looks normalised, and nobody says between which distances.
@@ -153,11 +158,14 @@ fn with_map(
     tell(path, (window, &found), &meaning, &depth, display, say);
     let share = |pixels: usize| 100.0 * pixels as f64 / display.area() as f64;
     if filled > 0 {
-        say(format_args!("  filled holes: {:.1} % of the pixels, from what is known around them", share(filled)));
+        say(format_args!(
+            "  filled holes: {:.1} % of the pixels, from what is known around them (--keep-holes leaves them)",
+            share(filled)
+        ));
     } else if unknown > 0 {
         say(format_args!(
             "  not known in {:.1} % of the pixels, which take the depth that is known nearest to them, if it is within \
-             32 px (--fill-holes fills along the colours, however far)",
+             32 px, and stay sharp farther in",
             share(unknown)
         ));
     }
