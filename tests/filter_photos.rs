@@ -169,6 +169,46 @@ fn a_map_beside_a_photo_is_as_good_as_depth_in_one_file() {
 }
 
 #[test]
+fn maps_as_data_sets_and_networks_write_them_are_taken_once_stated() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let sixteen = |name: &str, number: &dyn Fn(f32) -> f32| {
+        let pixel = |x: u32, _: u32| image::Luma([number(depth(x as i32)).round() as u16]);
+        image::ImageBuffer::from_fn(SIZE.width, SIZE.height, pixel).save(path(name)).unwrap();
+    };
+    sixteen("kitti.png", &|z| 256.0 * z);
+    sixteen("tum.png", &|z| 5000.0 * z);
+    sixteen("scannet.png", &|z| 1000.0 * z);
+    // White is 1 m, black infinitely far: 2 and 6 m are a half and a sixth
+    sixteen("midas.png", &|z| 65535.0 / z);
+    sixteen("marigold.png", &|z| 65535.0 * (z - 1.0) / 9.0);
+    // Focal length times baseline of 120 px m
+    let grey = Picture::from_fn(SIZE, |x, _| [120.0 / depth(x); 4]);
+    write_photo(&path("middlebury.pfm"), &grey, &Encoding::plain(PhotoFormat::Pfm), 0.0).unwrap();
+    let result = |map: &[&str]| {
+        let arguments = [&["filter", "photo.png", "-o", "r.exr", "--depth"], map, &LENS].concat();
+        let output = tiltshift(folder.path(), &arguments);
+        assert!(output.status.success(), "{map:?}: {}", stderr(&output));
+        read_picture(&path("r.exr"), &ReadOptions::default()).unwrap().value
+    };
+    let wanted = result(&["metres.pfm", "--depth-as", "planar"]);
+    for map in [
+        &["kitti.png", "--depth-as", "planar", "--metres-per-unit", "0.00390625"][..],
+        &["tum.png", "--depth-as", "planar", "--metres-per-unit", "0.0002"],
+        &["scannet.png", "--depth-as", "planar", "--metres-per-unit", "0.001"],
+        &["midas.png", "--depth-as", "inverse", "--depth-range", "inf,1"],
+        &["marigold.png", "--depth-as", "planar", "--depth-range", "1,10"],
+        &["middlebury.pfm", "--depth-as", "inverse", "--metres-per-unit", "120"],
+    ] {
+        let found = result(map);
+        let pairs = found.planes().iter().zip(wanted.planes()).flat_map(|(a, b)| a.values().iter().zip(b.values()));
+        let off = pairs.fold(0.0_f32, |off, (a, b)| off.max((a - b).abs()));
+        // Half a step of 16 bits in depth, 1e-5 of it, moves no border of a disc by more than 1e-3 px
+        assert!(off < 1e-3, "{map:?}: off by {off}");
+    }
+}
+
+#[test]
 fn real_photos_become_miniatures_with_one_command() {
     let Some(shared) = shared::folder() else { return };
     let photos = shared.join("data/photos");

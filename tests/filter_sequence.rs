@@ -214,3 +214,68 @@ fn frames_to_measure() {
         write_frame(&path, &frame, &WriteOptions::default()).unwrap();
     }
 }
+
+/// A rough floor with a ball that rolls over it, another roughness in each frame.
+fn rough_floor(number: i32) -> Frame {
+    let window = PixelWindow::of_size(96, 64);
+    let noise = |x: i32, y: i32| {
+        let state = (x * 7919 + y * 104_729 + number * 1_299_709) as u32;
+        let state = state.wrapping_mul(2_654_435_761) ^ (state >> 13);
+        f32::from((state.wrapping_mul(2_246_822_519) >> 16) as u16) / 65535.0 - 0.5
+    };
+    let depth = Plane::from_fn(window, |x, y| {
+        let inverse = (0.05 + 0.01 * (y as f32)) * (1.0 + 0.04 * noise(x, y));
+        if (x - 3 * number).pow(2) + (y - 32).pow(2) < 64 { 1.5 } else { 1.0 / inverse }
+    });
+    let color = Picture::from_fn(window, |x, y| [0.2 + 0.1 * ((x / 5 + y / 5) % 2) as f32; 4].map(|v| v.min(1.0)));
+    let color = color.map(|[r, g, b, _]| [r, g, b, 1.0]);
+    Frame::new(window, vec![Layer::from_raw_depth(color, depth)]).unwrap()
+}
+
+/// The lens of each frame, as --json tells it: tilt and focus.
+fn lenses(folder: &Path, more: &[&str]) -> Vec<[f64; 2]> {
+    let lens = ["filter", "floor.####.exr", "--fov", "50", "--sensor-width", "36", "-N", "1", "--json"];
+    let output = tiltshift(folder, &[&lens[..], more].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let lines = output.stdout.split(|&byte| byte == b'\n').filter(|line| !line.is_empty());
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let of_line = |line: &[u8]| {
+        let value: serde_json::Value = serde_json::from_slice(line).unwrap();
+        [number(&value["report"]["tilt_deg"]), number(&value["report"]["focus_m"])]
+    };
+    lines.map(of_line).collect()
+}
+
+#[test]
+fn the_ground_of_a_sequence_stands_still_in_any_order() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for number in 5..30 {
+        write_frame(&path(&format!("floor.{number:04}.exr")), &rough_floor(number), &WriteOptions::default()).unwrap();
+    }
+    let same = |lenses: &[[f64; 2]]| lenses.windows(2).all(|pair| pair[0] == pair[1]);
+    for wish in ["ground", "miniature"] {
+        let steady = lenses(folder.path(), &["-o", "a.####.exr", "--focus", wish]);
+        assert!(steady.len() == 25 && same(&steady), "{wish}: {steady:?}");
+    }
+    let each = lenses(folder.path(), &["-o", "b.####.exr", "--focus", "ground", "--ground", "each"]);
+    assert!(!same(&each), "found anew it trembles, else there is nothing to hold still: {each:?}");
+
+    // One thread, and what is missing made later: the same bits
+    let arguments = ["filter", "floor.####.exr", "--fov", "50", "--sensor-width", "36", "-N", "1", "--focus", "ground"];
+    let run = |threads: &str, more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tiltshift"));
+        command.args([&arguments[..], more].concat()).current_dir(folder.path()).env("RAYON_NUM_THREADS", threads);
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let said = run("2", &["-o", "c.####.exr"]);
+    assert!(said.contains("one ground for all frames, from 5 of them"), "{said}");
+    let wanted = pixels(&path("c.0017.exr"));
+    for number in [6, 17, 29] {
+        std::fs::remove_file(path(&format!("c.{number:04}.exr"))).unwrap();
+    }
+    assert!(run("1", &["-o", "c.####.exr", "--resume"]).contains("22 kept"));
+    assert_eq!(pixels(&path("c.0017.exr")), wanted);
+}

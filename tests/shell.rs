@@ -89,3 +89,32 @@ fn wrong_files_name_what_is_wrong() {
     assert_eq!(absent.status.code(), Some(2));
     assert!(text(&absent.stderr).contains("absent.toml"));
 }
+
+#[test]
+fn what_cannot_be_written_is_found_out_before_any_work() {
+    let folder = TempDir::new().unwrap();
+    let frame = rgbd::Frame::new(
+        rgbd::PixelWindow::of_size(16, 9),
+        vec![rgbd::Layer::from_raw_depth(
+            rgbd::Picture::filled(rgbd::PixelWindow::of_size(16, 9), [0.5; 4]),
+            rgbd::Plane::filled(rgbd::PixelWindow::of_size(16, 9), 2.0),
+        )],
+    );
+    rgbd::write_frame(&folder.path().join("in.exr"), &frame.unwrap(), &rgbd::WriteOptions::default()).unwrap();
+    std::fs::create_dir(folder.path().join("out")).unwrap();
+    let lens = ["--focal-length", "50", "--sensor-width", "36", "-N", "2", "--focus-distance", "2"];
+    for (arguments, words) in [
+        (&["in.exr", "-o", "out"][..], &["cannot write \"out\"", "it is a folder; name a file in it"][..]),
+        (&["in.exr", "-o", "in.exr/a.exr"], &["cannot make the folder"]),
+        (&[".", "-o", "a.exr"], &["is a folder; name the frames in it", "shot.####.exr"]),
+        (&["in.exr", "-o", "a.exr", "--focus-distance", "-2"], &["--focus-distance is -2 m; it must be positive"]),
+    ] {
+        let lens = if arguments.contains(&"--focus-distance") { &lens[..6] } else { &lens[..] };
+        let output = tiltshift(folder.path(), &[&["filter"], arguments, lens].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(words.iter().all(|word| said.contains(word)) && !said.contains("method"), "{arguments:?}: {said}");
+    }
+    let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 2, "nothing was left behind: {names:?}");
+}

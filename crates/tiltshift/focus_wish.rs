@@ -17,6 +17,11 @@ pub(crate) trait Seen {
     /// Inverse depths per metre (0 for the sky) of the known pixels of a row of the picture; `None` where there is no picture.
     fn row(&self, row: i32) -> Option<Vec<(Pixel, f64)>>;
 
+    /// The ground, where it is known already; else it is found in this picture.
+    fn ground(&self) -> Option<Ground> {
+        None
+    }
+
     /// Takes a line for the user.
     fn say(&self, line: std::fmt::Arguments<'_>);
 }
@@ -96,13 +101,8 @@ fn median_inverse(seen: &dyn Seen, row: i32, height: u32) -> anyhow::Result<f64>
 /// About so many pixels are looked at to find the ground.
 const SAMPLES: u32 = 20_000;
 
-/// The plane of focus along the ground, or upright on it through a pixel (the middle of the picture without).
-pub(crate) fn ground_plane(
-    wish: FocusWish,
-    pixel: Option<Pixel>,
-    film: &Film,
-    seen: &dyn Seen,
-) -> anyhow::Result<Focus> {
+/// The ground in the depths of one picture.
+pub(crate) fn find_ground(film: &Film, seen: &dyn Seen) -> anyhow::Result<Ground> {
     // Look at every so many rows and columns
     let area = u64::from(film.width()) * u64::from(film.height());
     let step = (area as f64 / f64::from(SAMPLES)).sqrt().ceil().max(1.0) as usize;
@@ -112,27 +112,50 @@ pub(crate) fn ground_plane(
         let pixels = pixels.into_iter().filter(|(pixel, _)| (pixel.x as usize).is_multiple_of(step));
         samples.extend(pixels.map(|(pixel, inverse)| (film.q_from_pixel(pixel.center()), inverse)));
     }
-    let ground = Ground::find(&samples).ok_or_else(|| {
+    Ground::find(&samples).ok_or_else(|| {
         anyhow!(
             "no ground was found in the depth: no plane below the camera holds a tenth of the picture; lay the plane of focus \
              with --focus-points or --focus-plane"
         )
-    })?;
-    seen.say(format_args!(
-        "ground found in {:.0} % of the picture, {:.4} m below the lens",
-        100.0 * ground.share(),
-        ground.height()
-    ));
+    })
+}
+
+/// The plane of focus along the ground, or upright on it through a pixel: the middle of the picture without, and where the ground
+/// is known already, what it has there, so that nothing that passes by moves the focus.
+pub(crate) fn ground_plane(
+    wish: FocusWish,
+    pixel: Option<Pixel>,
+    film: &Film,
+    seen: &dyn Seen,
+) -> anyhow::Result<Focus> {
+    let known = seen.ground();
+    let ground = match known {
+        Some(ground) => ground,
+        None => {
+            let ground = find_ground(film, seen)?;
+            let share = 100.0 * ground.share();
+            seen.say(format_args!(
+                "ground found in {share:.0} % of the picture, {:.4} m below the lens",
+                ground.height()
+            ));
+            ground
+        }
+    };
     match wish {
         FocusWish::Ground => Ok(ground.plane()),
         FocusWish::Miniature => {
             let middle = Pixel { x: film.width() as i32 / 2, y: film.height() as i32 / 2 };
             let at = pixel.unwrap_or(middle);
-            let depth = seen.depth_at(at)?;
+            let q = film.q_from_pixel(at.center());
+            let of_ground = || ground.plane().depth(q);
+            let depth = match (known, pixel) {
+                (Some(_), None) => of_ground().unwrap_or(f64::INFINITY),
+                _ => seen.depth_at(at)?,
+            };
             if !depth.is_finite() {
                 bail!("pixel {at} shows the sky; name one of the ground or of a thing with --focus-pixel");
             }
-            Ok(ground.standing_at(film.q_from_pixel(at.center()), depth)?)
+            Ok(ground.standing_at(q, depth)?)
         }
     }
 }

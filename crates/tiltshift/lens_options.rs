@@ -184,6 +184,12 @@ impl LensOptions {
                 bail!("{name} is {angle} degrees; it must be between -90 and 90");
             }
         }
+        for (name, value, unit) in [("--focus-distance", self.focus_distance, " m"), ("--f-number", self.f_number, "")]
+        {
+            if let Some(value) = value.filter(|value| value.is_nan() || *value <= 0.0) {
+                bail!("{name} is {value}{unit}; it must be positive (inf will do)");
+            }
+        }
         if self.focus == Some(FocusWish::Ground) && self.focus_pixel.is_some() {
             bail!("--focus ground takes the whole ground; leave out --focus-pixel");
         }

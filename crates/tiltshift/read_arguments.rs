@@ -30,7 +30,7 @@ impl From<DepthAs> for DepthConvention {
     }
 }
 
-/// How an input picture is to be understood; all is detected without.
+/// How an input picture is to be understood.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Input")]
 pub(crate) struct ReadArguments {
@@ -47,15 +47,23 @@ pub(crate) struct ReadArguments {
     /// View (eye) to take.
     #[arg(long, value_name = "NAME")]
     view: Option<String>,
-    /// What the numbers of the depth are; planar without, where a renderer names the channel.
+    /// What the numbers of the depth are. Without, where a renderer names the channel, what its flat surfaces surely say, else
+    /// planar; the log says which.
     #[arg(long, value_enum, value_name = "KIND")]
     depth_as: Option<DepthAs>,
-    /// Distances in metres that black and white of a depth map stand for, e.g. 0.5,10, or 10,0.5 where white is near; with
-    /// --depth-as inverse one may be `inf`.
-    #[arg(long, value_name = "BLACK,WHITE", requires = "depth")]
+    /// Distances in metres that black (0) and white (1) of a normalised depth stand for, e.g. 0.5,10, or 10,0.5 where white is
+    /// near; with --depth-as inverse one may be `inf`.
+    #[arg(long, value_name = "BLACK,WHITE")]
     depth_range: Option<Ends>,
-    /// Fill the holes of a depth map from what is known around them, along the colours of the picture.
+    /// Stored depth that means that nothing was hit, so that the pixel is infinitely far, e.g. 0, -1, 1000 or nan. Infinity, 1e10
+    /// and above, the largest half, and 0 where alpha is 0 mean so anyway.
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    background: Option<f32>,
+    /// Leave the holes of a depth map; they are filled without from what is known around them, along the colours of the picture.
     #[arg(long, requires = "depth")]
+    keep_holes: bool,
+    /// What is done without --keep-holes.
+    #[arg(long, requires = "depth", conflicts_with = "keep_holes", hide = true)]
     fill_holes: bool,
     /// Refuse pictures of more pixels than this.
     #[arg(long, value_name = "N", default_value_t = ReadOptions::MAX_PIXELS)]
@@ -65,12 +73,16 @@ pub(crate) struct ReadArguments {
 impl ReadArguments {
     /// The options as the reader takes them.
     pub(crate) fn options(&self, film: Option<Film>, metres_per_unit: Option<f64>) -> ReadOptions {
+        // A range is typed in metres
+        let metres_per_unit = metres_per_unit.or(self.depth_range.map(|_| 1.0));
         let convention = self.depth_as.map_or(DepthConvention::Planar, DepthConvention::from);
         ReadOptions {
             color: self.color.clone(),
             depth: self.depth.clone().filter(|name| !names_file(name)),
             view: self.view.clone(),
             convention,
+            depth_range: self.depth_range(),
+            background: self.background,
             film,
             metres_per_unit,
             max_pixels: self.max_pixels,
@@ -92,6 +104,11 @@ impl ReadArguments {
         self.depth_range.map(|Ends(ends)| ends)
     }
 
+    /// The stored depth that is the sky.
+    pub(crate) fn background(&self) -> Option<f32> {
+        self.background
+    }
+
     /// The channel of a map's file.
     pub(crate) fn depth_channel(&self) -> Option<&str> {
         self.depth_channel.as_deref()
@@ -99,7 +116,7 @@ impl ReadArguments {
 
     /// Whether holes are to be filled.
     pub(crate) fn fills_holes(&self) -> bool {
-        self.fill_holes
+        !self.keep_holes
     }
 
     /// The most pixels that are read.

@@ -6,7 +6,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::{Focus, OpticsError};
+use crate::{Film, Focus, OpticsError};
 
 /// How often three samples are drawn: a ground that fills a tenth of the picture is missed once in two of a thousand cases
 /// ((1 - 0.1^3)^6000).
@@ -99,6 +99,40 @@ impl Ground {
     #[must_use]
     pub fn plane(&self) -> Focus {
         self.plane
+    }
+
+    /// The middle of several: of each component of their planes, and of their shares, the median; `None` of none.
+    #[must_use]
+    pub fn median(grounds: &[Self]) -> Option<Self> {
+        let middle = |value: fn(&Self) -> f64| {
+            let mut values: Vec<f64> = grounds.iter().map(value).collect();
+            values.sort_by(f64::total_cmp);
+            let half = values.len() / 2;
+            if values.len() % 2 == 1 { values[half] } else { 0.5 * (values[half - 1] + values[half]) }
+        };
+        if grounds.is_empty() {
+            return None;
+        }
+        let w = DVec3::new(middle(|g| g.plane.w().x), middle(|g| g.plane.w().y), middle(|g| g.plane.w().z));
+        Some(Self { plane: Focus::from_finite(w), share: middle(|g| g.share) })
+    }
+
+    /// A part of the way, from 0 to 1, from this ground to another: inverse depths go straight.
+    #[must_use]
+    pub fn toward(&self, other: &Self, part: f64) -> Self {
+        Self {
+            plane: Focus::from_finite(self.plane.w().lerp(other.plane.w(), part)),
+            share: self.share + part * (other.share - self.share),
+        }
+    }
+
+    /// How far two grounds are apart in a picture: the largest difference of inverse depth in its corners, over the largest inverse
+    /// depth of this one there.
+    #[must_use]
+    pub fn difference(&self, other: &Self, film: &Film) -> f64 {
+        let largest = |value: &dyn Fn(DVec2) -> f64| film.corners().into_iter().map(value).fold(0.0, f64::max);
+        let apart = largest(&|q| (self.plane.inverse_depth(q) - other.plane.inverse_depth(q)).abs());
+        apart / largest(&|q| self.plane.inverse_depth(q))
     }
 
     /// How many of the samples lie on it, 0 to 1.

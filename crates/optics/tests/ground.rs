@@ -1,7 +1,7 @@
 //! The ground is found where there is one, among things that stand on it, noise and sky; and not where there is none.
 
 use glam::{DVec2, DVec3};
-use optics::{Focus, Ground};
+use optics::{Film, Focus, Ground};
 
 /// Uniform numbers in [0, 1), the same every time.
 fn numbers() -> impl FnMut() -> f64 {
@@ -90,4 +90,23 @@ fn two_pixels_fix_tilt_and_focus_without_swing() {
     let level = [(DVec2::new(0.2, 0.1), 1.5), (DVec2::new(-0.3, 0.1), 2.0)];
     let error = Focus::through_two_pixels(level).unwrap_err().to_string();
     assert!(error.contains("same height"), "{error}");
+}
+
+#[test]
+fn the_median_of_grounds_is_not_moved_by_one_that_is_wrong() {
+    let found =
+        |pitch: f64, height: f64, noise: f64| Ground::find(&seen(pitch, height, 0.2, noise).1).expect("a ground");
+    let good = [found(0.4, 1.6, 0.002), found(0.4, 1.6, 0.004), found(0.4, 1.6, 0.0), found(0.4, 1.6, 0.006)];
+    let wrong = found(0.7, 1.1, 0.0);
+    let median = Ground::median(&[good[0], wrong, good[1], good[2], good[3]]).expect("five grounds");
+    let film = Film::new(DVec2::new(-0.5, -0.375), DVec2::new(0.5, 0.375), 80, 60).unwrap();
+    // No farther from the truth than the worst of the good ones
+    let truth = good[2];
+    let worst = good.iter().map(|ground| truth.difference(ground, &film)).fold(0.0, f64::max);
+    assert!(truth.difference(&median, &film) <= worst + 1e-12 && truth.difference(&wrong, &film) > 0.2);
+    assert_eq!(Ground::median(&[]), None);
+    // The ends of the way are the grounds, its middle is between them
+    assert_eq!((truth.toward(&wrong, 0.0), truth.toward(&wrong, 1.0)), (truth, wrong));
+    let half = truth.toward(&wrong, 0.5).plane().w();
+    assert!((half - 0.5 * (truth.plane().w() + wrong.plane().w())).length() < 1e-12);
 }

@@ -11,6 +11,8 @@ pub struct Choice {
     pub depth: Option<String>,
     /// The names of the hidden layers, nearest first.
     pub hidden: Vec<String>,
+    /// Whether the file itself says what is what: it is one of ours.
+    pub is_stated: bool,
     /// Why, in a sentence.
     pub reason: String,
 }

@@ -50,6 +50,7 @@ pub(crate) fn choose(path: &Path, survey: &Survey, options: &ReadOptions, with_d
         color: color.channels().map(|at| survey.label(at)).collect(),
         depth: depth.map(|at| survey.label(at)),
         hidden: hidden.iter().map(|(group, _)| group.layer.clone()).collect(),
+        is_stated: false,
         reason,
     };
     Ok(Plan { color, depth, depth_copies, hidden, choice })

@@ -82,14 +82,20 @@ fn depth_rank(names: &[ChannelName], name: &ChannelName, color: &ColorGroup) -> 
     let names_depth = names_depth(&name.layer);
 
     // Z beside X and Y is a vector's
-    if name.is_z() && has("x") && has("y") {
+    if (name.is_z() && has("x") && has("y")) || (is_called(name, "pz") && has("px") && has("py")) {
+        return None;
+    }
+    // What is told about depth is none
+    const ABOUT: [&str; 5] = ["error", "variance", "confidence", "mask", "normal"];
+    let full = format!("{}.{}", last_piece(&name.layer), name.base).to_ascii_lowercase();
+    if ABOUT.iter().any(|word| full.contains(word)) {
         return None;
     }
     if name.is_z() && name.at.part == color.part && name.layer == color.layer {
         return Some(0);
     }
     let lonely = names.iter().filter(|other| same_layer(other)).count() == 1;
-    let base_names_depth = name.is_z() || name.base.eq_ignore_ascii_case("depth");
+    let base_names_depth = name.is_z() || is_called(name, "depth");
     if names_depth && (base_names_depth || lonely || !copies(names, name).is_empty()) {
         let beside = parent(&name.layer) == parent(&color.layer) || parent(&name.layer).is_empty();
         return Some(if beside { 1 } else { 2 });
@@ -98,7 +104,16 @@ fn depth_rank(names: &[ChannelName], name: &ChannelName, color: &ColorGroup) -> 
     if base_names_depth && name.layer.is_empty() {
         return Some(1);
     }
+    // VRayZDepth, zDepth, Pz ... of no layer
+    if name.layer.is_empty() && (is_called(name, "pz") || name.base.to_ascii_lowercase().contains("depth")) {
+        return Some(2);
+    }
     None
+}
+
+/// Whether that is all it is called within its layer.
+fn is_called(name: &ChannelName, base: &str) -> bool {
+    name.base.eq_ignore_ascii_case(base)
 }
 
 /// Whether a layer is called depth.

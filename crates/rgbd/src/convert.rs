@@ -2,6 +2,7 @@
 
 use optics::Film;
 
+use crate::attributes::lens_attributes;
 use crate::choose::Plan;
 use crate::choose_color::ColorGroup;
 use crate::deep::{DeepFrame, read_deep};
@@ -21,11 +22,15 @@ pub(crate) fn convert_frame(
 ) -> Result<Converted, ReadError> {
     let depth = plan.depth.expect("a frame is planned with depth");
     let film = film(file, head, options)?;
-    let reading = |at| DepthReading::new(options.convention, file.kind(at), film.map(|film| (film, head.display)));
+    let reading = |at| DepthReading::of(options, file.kind(at), film.as_ref().map(|film| (film, head.display)));
     let window = kept_window(file.window(plan.color.rgb[0]), head.display);
     if file.is_deep(plan.color.rgb[0]) {
         let DeepFrame { layers, tally } = read_deep(file, plan, window, reading(depth))?;
-        return Ok(Converted { frame: assemble(file, head, layers, options.max_pixels)?, deep: Some(tally) });
+        return Ok(Converted {
+            frame: assemble(file, head, layers, options.max_pixels)?,
+            deep: Some(tally),
+            is_turned: false,
+        });
     }
 
     // Read all at once: each part is decoded once only
@@ -44,21 +49,25 @@ pub(crate) fn convert_frame(
 
     // Bring each layer to the window of the first one's colour
     let mut layers = Vec::with_capacity(sources.len());
+    let mut is_turned = false;
     for (i, (group, depth)) in sources.iter().enumerate() {
         let mut next = || fitted(planes.next().expect("a plane for each channel asked for"), window, 0.0);
         let rgb = [next(), next(), next()];
         let alpha = group.alpha.is_some().then(&mut next);
         let raw = next();
-        let reading = reading(*depth);
-        layers.push(layer_from(rgb, alpha, raw, i > 0, |raw, alpha| reading.planar_plane(raw, alpha)));
+        let reading = reading(*depth).for_all_of(&raw);
+        is_turned |= reading.is_turned;
+        layers.push(layer_from(rgb, alpha, raw, i > 0, |raw, alpha| reading.planar_plane(raw, Some(alpha))));
     }
-    Ok(Converted { frame: assemble(file, head, layers, options.max_pixels)?, deep: None })
+    Ok(Converted { frame: assemble(file, head, layers, options.max_pixels)?, deep: None, is_turned })
 }
 
 /// A frame, and what its deep part held where it is of one.
 pub(crate) struct Converted {
     pub(crate) frame: Frame,
     pub(crate) deep: Option<DeepTally>,
+    /// Whether its depths were negative.
+    pub(crate) is_turned: bool,
 }
 
 /// The chosen colour alone, flattened where it is deep; opaque where the file has no alpha.
@@ -82,13 +91,12 @@ pub(crate) fn convert_picture(
     Ok(picture_from(planes.into_iter().map(|plane| fitted(plane, window, 0.0)).collect()))
 }
 
-/// The film that depths along the ray need; an error where they need one and there is none.
-pub(crate) fn film<'a>(
-    file: &ExrFile,
-    head: &'a Head,
-    options: &'a ReadOptions,
-) -> Result<Option<&'a Film>, ReadError> {
-    let film = head.camera.as_ref().map(|camera| &camera.film).or(options.film.as_ref());
+/// The film that depths along the ray need, of the file's own camera, the options, or what the header says of the lens; an error
+/// where they need one and there is none.
+pub(crate) fn film(file: &ExrFile, head: &Head, options: &ReadOptions) -> Result<Option<Film>, ReadError> {
+    let display = head.display;
+    let noted = || lens_attributes(&file.meta().headers[0]).film(display.width, display.height, head.pixel_aspect);
+    let film = head.camera.map(|camera| camera.film).or(options.film).or_else(noted);
     if options.convention == DepthConvention::Ray && film.is_none() {
         return Err(ReadError::NeedsCamera { path: file.path().into() });
     }
@@ -125,12 +133,12 @@ fn layer_from(
     alpha: Option<Plane>,
     raw: Plane,
     hidden: bool,
-    planar: impl Fn(&Plane, &Plane) -> Plane,
+    planar: impl Fn(Plane, &Plane) -> Plane,
 ) -> Layer {
     let window = raw.window();
     let has_alpha = alpha.is_some();
     let alpha = alpha.unwrap_or_else(|| Plane::filled(window, 1.0));
-    let depth = planar(&raw, &alpha);
+    let depth = planar(raw, &alpha);
     let absent = Mask::from_fn(window, |x, y| hidden && !has_alpha && depth.at(x, y).is_nan());
     let mut planes: Vec<Plane> = rgb.into_iter().chain(std::iter::once(alpha)).collect();
     for plane in &mut planes {

@@ -2,11 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 
 use exr::meta::MetaData;
 
 use crate::flat_blocks::decode_parts;
+use crate::foreign_start::foreign_start;
 use crate::headers::read_headers;
 use crate::survey::ChannelIndex;
 use crate::{PartSurvey, PixelWindow, Plane, ReadError, SampleKind, Survey};
@@ -27,7 +29,7 @@ impl ExrFile {
         let io = |source| ReadError::Io { path: path.into(), source };
         let file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
-        let (meta, tables_at) = read_headers(file).map_err(|error| refusal(path, error))?;
+        let (meta, tables_at) = read_headers(&file).map_err(|error| named(path, &file, error))?;
         let damaged = |reason: &str| ReadError::Damaged { path: path.into(), reason: reason.into() };
         if meta.headers.is_empty() {
             return Err(damaged("it has no part"));
@@ -143,6 +145,16 @@ impl ExrFile {
         let Some(channel) = channels.find(|channel| channel.subsampled) else { return Ok(()) };
         let what = format!("subsampled channels ({})", channel.name);
         Err(ReadError::Unsupported { path: self.path.clone(), what, remedy: "write all channels in full size" })
+    }
+}
+
+/// The error of a file whose header is none; one of a known kind is called by its name.
+fn named(path: &Path, mut file: &File, error: exr::error::Error) -> ReadError {
+    let mut start = [0; 16];
+    let is_read = file.rewind().and_then(|()| file.read(&mut start)).is_ok();
+    match foreign_start(&start).filter(|_| is_read) {
+        Some((what, remedy)) => ReadError::Unsupported { path: path.into(), what: what.into(), remedy },
+        None => refusal(path, error),
     }
 }
 

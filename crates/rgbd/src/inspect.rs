@@ -10,7 +10,8 @@ use crate::depth_convention::DepthReading;
 use crate::encode_exr::FileKind;
 use crate::exr_file::ExrFile;
 use crate::{
-    Choice, DepthSummary, Head, LensAttributes, Notes, PixelWindow, Plane, ReadError, ReadOptions, SampleKind, Survey,
+    Choice, DepthSummary, DepthVerdict, Head, LensAttributes, Notes, PixelWindow, Plane, ReadError, ReadOptions,
+    SampleKind, Survey,
 };
 
 /// What a file holds, and what [`crate::read_frame`] would make of it.
@@ -32,6 +33,8 @@ pub struct Inspection {
     pub picture: Option<Choice>,
     /// Whether red, green and blue of that picture are the same in every pixel, and not one even grey: it may be depth.
     pub picture_is_grey: bool,
+    /// What flat surfaces say of it then.
+    pub picture_verdict: Option<DepthVerdict>,
 }
 
 /// What would be taken as colour and depth.
@@ -45,6 +48,8 @@ pub struct Understood {
     pub window: PixelWindow,
     /// The depths of the first layer.
     pub depth: DepthSummary,
+    /// What flat surfaces say of its numbers, as they are stored; none of a file of ours, or a deep one.
+    pub verdict: Option<DepthVerdict>,
     /// What a deep part holds.
     pub deep: Option<DeepTally>,
 }
@@ -66,7 +71,7 @@ pub fn inspect(path: &Path, options: &ReadOptions) -> Result<Inspection, ReadErr
     // Understand it as a frame, else at least as a picture
     let frame =
         settled(choose(path, file.survey(), options, true).and_then(|plan| understand(&file, plan, &head, options)))?;
-    let (mut picture, mut picture_is_grey) = (None, false);
+    let (mut picture, mut picture_is_grey, mut picture_verdict) = (None, false, None);
     if frame.is_err() {
         let plan = settled(choose(path, file.survey(), options, false))?.ok();
         let wanted = plan.as_ref().filter(|plan| !file.is_deep(plan.color.rgb[0])).map(|plan| plan.color.rgb);
@@ -75,6 +80,7 @@ pub fn inspect(path: &Path, options: &ReadOptions) -> Result<Inspection, ReadErr
             let is_same = |a: &Plane, b: &Plane| a.values().iter().zip(b.values()).all(|(a, b)| a == b || a.is_nan());
             let is_even = r.values().windows(2).all(|pair| pair[0] == pair[1]);
             picture_is_grey = !is_even && is_same(r, g) && is_same(g, b);
+            picture_verdict = picture_is_grey.then(|| DepthVerdict::of(r, head.display, options.film.as_ref()));
         }
         picture = plan.map(|plan| plan.choice);
     }
@@ -88,6 +94,7 @@ pub fn inspect(path: &Path, options: &ReadOptions) -> Result<Inspection, ReadErr
         frame,
         picture,
         picture_is_grey,
+        picture_verdict,
     })
 }
 
@@ -101,10 +108,17 @@ fn understand(file: &ExrFile, mut plan: Plan, head: &Head, options: &ReadOptions
         let layers = converted.frame.layers();
         plan.choice.hidden = (1..layers.len()).map(|i| format!("L{}", i + 1)).collect();
         let depth = DepthSummary::of_planar(&layers[0]);
-        return Ok(Understood { choice: plan.choice, depth_kind: file.kind(at), window, depth, deep: converted.deep });
+        return Ok(Understood {
+            choice: plan.choice,
+            depth_kind: file.kind(at),
+            window,
+            depth,
+            verdict: None,
+            deep: converted.deep,
+        });
     }
     let film = film(file, head, options)?;
-    let reading = DepthReading::new(options.convention, file.kind(at), film.map(|film| (film, head.display)));
+    let film = film.as_ref().map(|film| (film, head.display));
     let wanted = std::iter::once(at).chain(plan.color.alpha).chain(plan.depth_copies.iter().copied());
     let mut planes = file.planes_of_whole_file(&wanted.collect::<Vec<_>>())?;
     let copies = planes.split_off(planes.len() - plan.depth_copies.len());
@@ -113,9 +127,21 @@ fn understand(file: &ExrFile, mut plan: Plan, head: &Head, options: &ReadOptions
     let stored = planes.next().expect("a plane for each channel asked for");
     let alpha = planes.next();
     let alpha = |i: usize| alpha.as_ref().map_or(1.0, |alpha| alpha.values()[i]);
+    let reading = DepthReading::of(options, file.kind(at), film).for_all_of(&stored);
     let pixels = window.pixels().zip(stored.values()).enumerate();
     let depth = DepthSummary::of(pixels.map(|(i, (pixel, &z))| (z, reading.planar(z, alpha(i), pixel))));
-    Ok(Understood { choice: plan.choice, depth_kind: file.kind(at), window, depth, deep: None })
+    if reading.is_turned {
+        plan.choice.reason = format!("{}, its negative numbers with their sign turned", plan.choice.reason);
+    }
+
+    // Ask the flat parts, where nobody knows
+    let mut numbers = stored.clone();
+    for ((i, pixel), number) in window.pixels().enumerate().zip(numbers.values_mut()) {
+        let is_depth = reading.planar(*number, alpha(i), pixel).is_finite();
+        *number = if is_depth { number.abs() } else { f32::NAN };
+    }
+    let verdict = head.camera.is_none().then(|| DepthVerdict::of(&numbers, head.display, film.map(|(film, _)| film)));
+    Ok(Understood { choice: plan.choice, depth_kind: file.kind(at), window, depth, verdict, deep: None })
 }
 
 /// An error that says that the file itself is bad ends the inspection; one that says that it does not suit is a finding.

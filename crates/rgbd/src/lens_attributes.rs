@@ -1,5 +1,8 @@
 //! What the standard attributes of an OpenEXR header say of the lens and the sensor.
 
+use glam::DVec2;
+use optics::Film;
+
 /// OpenEXR's standard camera attributes, each where the file has it.
 ///
 /// They are what other programs read and write; a [`crate::Frame`]'s own camera does not come from them.
@@ -30,6 +33,16 @@ pub struct LensAttributes {
 }
 
 impl LensAttributes {
+    /// What a picture of `width` x `height` pixels of `pixel_aspect` shows by the field of view, or by focal length and sensor.
+    #[must_use]
+    pub fn film(&self, width: u32, height: u32, pixel_aspect: f32) -> Option<Film> {
+        let by_fov = self.horizontal_fov_deg.map(|degrees| (0.5 * f64::from(degrees).to_radians()).tan());
+        let by_sensor = || Some(0.5 * f64::from(self.sensor_mm?[0]) / f64::from(self.focal_length_mm?));
+        let x = by_fov.or_else(by_sensor)?;
+        let half = DVec2::new(x, x * f64::from(height) / f64::from(width) / f64::from(pixel_aspect));
+        Film::new(-half, half, width, height).ok()
+    }
+
     /// Whether the header said nothing at all.
     #[must_use]
     pub fn is_empty(&self) -> bool {

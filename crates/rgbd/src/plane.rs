@@ -45,6 +45,12 @@ impl Plane {
         &mut self.values
     }
 
+    /// The values themselves, row by row.
+    #[must_use]
+    pub fn into_values(self) -> Vec<f32> {
+        self.values
+    }
+
     /// The values of row `y`, which must lie in the window.
     #[must_use]
     pub fn row(&self, y: i32) -> &[f32] {

@@ -43,10 +43,13 @@ pub fn read_frame(path: &Path, options: &ReadOptions) -> Result<Loaded<Frame>, R
         Some(FileKind::Frame { layers }) if !overridden(options) => own_frame(&file, head, layers, options.max_pixels),
         _ => {
             let mut plan = choose(path, file.survey(), options, true)?;
-            let Converted { frame, deep } = convert_frame(&file, &plan, &head, options)?;
+            let Converted { frame, deep, is_turned } = convert_frame(&file, &plan, &head, options)?;
             if let Some(tally) = deep {
                 plan.choice.hidden = (1..frame.layers().len()).map(|i| format!("L{}", i + 1)).collect();
                 plan.choice.reason = format!("{}; {tally}", plan.choice.reason);
+            }
+            if is_turned {
+                plan.choice.reason = format!("{}, its negative numbers with their sign turned", plan.choice.reason);
             }
             Ok(loaded(&file, frame, head, plan.choice))
         }
@@ -103,6 +106,8 @@ fn overridden(options: &ReadOptions) -> bool {
         || options.depth.is_some()
         || options.view.is_some()
         || options.convention != DepthConvention::Planar
+        || options.depth_range.is_some()
+        || options.background.is_some()
 }
 
 /// A frame as `write_frame` wrote it.
@@ -152,6 +157,7 @@ fn own_choice(color: &[&str], depth: Option<&str>) -> Choice {
     Choice {
         color: color.iter().map(|&name| name.to_owned()).collect(),
         depth: depth.map(str::to_owned),
+        is_stated: true,
         reason: "the file says so itself".into(),
         ..Choice::default()
     }

@@ -15,6 +15,11 @@ pub struct ReadOptions {
     pub view: Option<String>,
     /// What the depth channel holds.
     pub convention: DepthConvention,
+    /// The distances that the stored numbers 0 and 1 stand for, where depth is normalised: the first may be the farther one.
+    pub depth_range: Option<[f32; 2]>,
+    /// A stored depth that means that nothing was hit, so that the pixel is infinitely far; it may be NaN. Infinity, 1e10 and
+    /// above, and the largest half mean so anyway.
+    pub background: Option<f32>,
     /// The film, for depths along the ray; the file's own camera comes first.
     pub film: Option<Film>,
     /// Metres in one unit of depth, in place of what the file says.
@@ -35,6 +40,8 @@ impl Default for ReadOptions {
             depth: None,
             view: None,
             convention: DepthConvention::Planar,
+            depth_range: None,
+            background: None,
             film: None,
             metres_per_unit: None,
             max_pixels: Self::MAX_PIXELS,

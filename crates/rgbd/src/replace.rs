@@ -27,6 +27,22 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     done
 }
 
+/// Finds out before any work whether [`replace_file`] could write there: no folder of that name, and the right to make files
+/// beside it. A disk may still be full by then.
+pub fn could_replace_file(path: &Path) -> io::Result<()> {
+    let target = match path.metadata() {
+        Ok(existing) if existing.is_dir() => {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder; name a file in it"));
+        }
+        Ok(existing) if !existing.is_file() => return Ok(()),
+        Ok(_) => path.canonicalize()?,
+        Err(_) => path.to_path_buf(),
+    };
+    let unfinished = beside(&target)?;
+    std::fs::File::create(&unfinished)?;
+    std::fs::remove_file(&unfinished)
+}
+
 /// `.NAME.tmp-PID` in the same folder.
 fn beside(target: &Path) -> io::Result<PathBuf> {
     let name = target.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "no file name"))?;

@@ -57,7 +57,7 @@ fn every_meaning_gives_the_same_depths() {
         (stored(&folder, |x, y| depth(x, y) * 2000.0 / 65535.0), DepthConvention::Planar, None),
     ];
     for (i, (map, convention, range)) in cases.into_iter().enumerate() {
-        let planar = map.planar(&MapMeaning { convention, range }, Some(&film()));
+        let planar = map.planar(&MapMeaning { convention, range, background: None }, Some(&film()));
         for (x, y) in planar.window().pixels() {
             let unit = if range.is_none() { 2000.0 } else { 1.0 };
             let (found, wanted) = (f64::from(planar.at(x, y)) / unit, depth(x, y));
@@ -72,7 +72,7 @@ fn infinity_may_be_the_far_end_of_an_inverse_depth() {
     let folder = TempDir::new().unwrap();
     let map = stored(&folder, |x, _| if x < 10 { 0.0 } else { 0.5 });
     let range = Some([f32::INFINITY, 1.0]);
-    let planar = map.planar(&MapMeaning { convention: DepthConvention::Inverse, range }, None);
+    let planar = map.planar(&MapMeaning { convention: DepthConvention::Inverse, range, background: None }, None);
     assert_eq!(planar.at(3, 3), f32::INFINITY);
     assert!((planar.at(20, 3) - 2.0).abs() < 1e-4);
 }
@@ -81,7 +81,7 @@ fn infinity_may_be_the_far_end_of_an_inverse_depth() {
 fn zero_is_a_hole_where_numbers_are_units() {
     let folder = TempDir::new().unwrap();
     let map = stored(&folder, |x, _| if x < 10 { 0.0 } else { 0.02 });
-    let planar = map.planar(&MapMeaning { convention: DepthConvention::Planar, range: None }, None);
+    let planar = map.planar(&MapMeaning { convention: DepthConvention::Planar, range: None, background: None }, None);
     assert!(planar.at(3, 3).is_nan() && planar.at(20, 3) == 1311.0);
 }
 
@@ -102,14 +102,14 @@ fn map_of(width: u32, height: u32, depth: impl Fn(f64, f64) -> f64) -> (DepthMap
     let window = PixelWindow::of_size(width, height);
     let stored = Plane::from_fn(window, |x, y| depth(f64::from(x) + 0.5, f64::from(y) + 0.5) as f32);
     let map = DepthMap { stored, largest: None, is_named: true, found: String::new() };
-    (map, MapMeaning { convention: DepthConvention::Planar, range: None })
+    (map, MapMeaning { convention: DepthConvention::Planar, range: None, background: None })
 }
 
 #[test]
 fn a_coarse_map_of_a_plane_is_that_plane() {
     let (map, meaning) = map_of(24, 16, |x, y| 1.0 / (0.2 + 0.01 * x + 0.03 * y));
     let guide = Picture::from_fn(PixelWindow::of_size(96, 64), |x, y| [0.01 * (x + y) as f32, 0.3, 0.2, 1.0]);
-    let fitted = fit_to_picture(&map.planar(&meaning, None), &guide, &map, &meaning);
+    let fitted = fit_to_picture(map.planar(&meaning, None), &guide, map.largest, &meaning);
     // Four pixels of the picture in each of the map; within half a pixel of the map from its border there is nothing to go by
     for y in 6..58 {
         for x in 6..90 {
@@ -130,7 +130,7 @@ fn a_coarse_edge_follows_the_picture_and_nothing_lies_between() {
     let centre = |x: i32| f64::from(x) + 0.5;
     let window = PixelWindow::of_size(96, 64);
     let guide = Picture::from_fn(window, |x, y| color(centre(x), centre(y)));
-    let fitted = fit_to_picture(&map.planar(&meaning, None), &guide, &map, &meaning);
+    let fitted = fit_to_picture(map.planar(&meaning, None), &guide, map.largest, &meaning);
     let mut wrong = 0;
     for (x, y) in window.pixels() {
         let found = f64::from(fitted.at(x, y));

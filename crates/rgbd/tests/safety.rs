@@ -11,7 +11,10 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use exr::prelude::*;
-use rgbd::{ReadError, ReadOptions, inspect, read_frame, read_picture, read_truth};
+use rgbd::{
+    Frame, MapMeaning, PhotoFormat, Picture, PixelWindow, ReadError, ReadOptions, SampleDepth, fit_to_picture, inspect,
+    read_depth_map, read_frame, read_photo, read_picture, read_truth, write_photo,
+};
 use support::deep_file::DeepFile;
 
 struct Counting;
@@ -73,7 +76,7 @@ fn channels() -> AnyChannels<FlatSamples> {
     AnyChannels::sort(SmallVec::from_vec(vec![half("A"), half("B"), half("G"), half("R"), depth, id]))
 }
 
-/// A small valid file of each kind, with a name.
+/// A small valid file of each kind, with a name; seeds for `tests/fuzz`, if `TILTSHIFT_SEEDS` names a folder for them.
 fn kinds() -> Vec<(String, Vec<u8>)> {
     let mut kinds = Vec::new();
     let written = |image: Image<Layers<AnyChannels<FlatSamples>>>| {
@@ -175,7 +178,10 @@ fn spoilt_files_and_claims_of_terabytes_are_read_or_refused_within_their_memory(
     let most = 3 * 24 * (1 << 20) + BESIDE;
     let mut chance = Chance(1);
     let (mut read, mut refused) = (0, 0);
-    for (kind, bytes) in kinds() {
+    for (i, (kind, bytes)) in kinds().into_iter().enumerate() {
+        if let Ok(folder) = std::env::var("TILTSHIFT_SEEDS") {
+            std::fs::write(Path::new(&folder).join(format!("kind{i}")), &bytes).unwrap();
+        }
         std::fs::write(&path, &bytes).unwrap();
         let (peak, is_frame) = read_in_every_way(&path, &options);
         assert!(is_frame && peak < BESIDE, "{kind}: {peak} bytes; {:?}", read_frame(&path, &options).err());
@@ -190,6 +196,7 @@ fn spoilt_files_and_claims_of_terabytes_are_read_or_refused_within_their_memory(
     assert!(refused > read && read > 50, "{read} read, {refused} refused: spoilt too little or too much");
     claims_of_terabytes(&path);
     a_large_picture(&path);
+    a_large_photo_with_its_map(folder.path());
 }
 
 /// Windows as large as the format allows, in files of a few hundred bytes.
@@ -234,4 +241,30 @@ fn a_large_picture(path: &Path) {
     let declared = 5 * 2 * size.0 * size.1;
     // A chunk of each thread is small beside that
     assert!(peak < 3 * declared + (8 << 20), "{peak} bytes for {declared} declared");
+}
+
+/// A photo of 16 bits and a map of floats, 10 bytes a pixel: with 24 million of them 720 MB and not 976 are enough.
+fn a_large_photo_with_its_map(folder: &Path) {
+    let window = PixelWindow::of_size(2000, 1000);
+    let picture = Picture::from_fn(window, |x, y| [(x % 7) as f32 * 0.1, (y % 5) as f32 * 0.2, 0.5, 1.0]);
+    let [photo, map] = ["photo.png", "map.pfm"].map(|name| folder.join(name));
+    let mut encoding = rgbd::Encoding::plain(PhotoFormat::Png);
+    encoding.depth = SampleDepth::Sixteen;
+    write_photo(&photo, &picture, &encoding, 0.0).unwrap();
+    let numbers = (0..window.area()).flat_map(|i| (2.0 + (i % 100) as f32).to_le_bytes());
+    std::fs::write(&map, [b"Pf\n2000 1000\n-1.0\n".to_vec(), numbers.collect()].concat()).unwrap();
+    drop(picture);
+
+    let before = NOW.load(Relaxed);
+    PEAK.store(before, Relaxed);
+    let max_pixels = ReadOptions::MAX_PIXELS;
+    let picture = read_photo(&photo, PhotoFormat::Png, max_pixels).unwrap().picture;
+    let map = read_depth_map(&map, None, max_pixels).unwrap();
+    let (largest, meaning) = (map.largest, MapMeaning::default());
+    let depth = fit_to_picture(map.into_planar(&meaning, None), &picture, largest, &meaning);
+    let frame = Frame::new(window, vec![rgbd::Layer::from_raw_depth(picture, depth)]).unwrap();
+    let peak = PEAK.load(Relaxed) - before;
+    drop(frame);
+    let declared = (3 * 2 + 4) * window.area();
+    assert!(peak < 3 * declared, "{peak} bytes for {declared} declared");
 }

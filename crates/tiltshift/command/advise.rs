@@ -146,6 +146,8 @@ fn of_picture(options: &Options) -> anyhow::Result<Subject> {
         png: None,
         overlay: None,
         lens: options.lens.clone(),
+        convention: None,
+        ground: None,
     };
     let source = Source { film: &options.film, read: &options.read };
     let say: Say<'_> = &|line| say(line);

@@ -7,6 +7,7 @@ mod method;
 mod overlay;
 mod result;
 mod sequence;
+mod steady;
 mod tolerance;
 
 use std::path::PathBuf;
@@ -19,6 +20,7 @@ use study::Tolerance;
 use self::job::{Job, Shown};
 use self::method::{HighlightOptions, MethodOptions};
 use self::sequence::Sequence;
+use self::steady::GroundRule;
 use crate::console::{print, say};
 use crate::failure::{Failure, Outcome};
 use crate::files::Packing;
@@ -111,6 +113,11 @@ struct SequenceOptions {
     /// Leave out frames whose results are complete, and no older than what they are made from.
     #[arg(long)]
     resume: bool,
+    /// How the ground of --focus ground and --focus miniature is found: `steady` looks at the first frame, the last, and all whose
+    /// number is a multiple of 8; where they agree within 2 %, the median is the ground of all frames, else (the camera moves) it goes
+    /// from one to the next, each the median of three. `each` finds it anew in each frame, which may tremble.
+    #[arg(long, value_enum, value_name = "HOW", default_value_t)]
+    ground: GroundRule,
     /// Focus from a table (CSV): the first line names the columns, frame first, then any of focus-distance (metres), tilt,
     /// swing (degrees), f-number, hinge-distance (metres); each further line is a key.
     #[arg(long, value_name = "FILE.csv")]
@@ -148,6 +155,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
         png: options.png.clone(),
         overlay: options.overlay.clone(),
         lens: options.lens.clone(),
+        convention: None,
+        ground: None,
     };
     let report = job.run(options, options.method.memory_limit, Shown::Bar, &|line| say(line))?;
     if options.json {

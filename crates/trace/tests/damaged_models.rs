@@ -108,6 +108,19 @@ fn the_whole_file_is_read() {
 }
 
 #[test]
+fn a_binary_file_that_states_to_be_shorter_than_its_header_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for length in [0_u32, 9, 11] {
+        let mut bytes = binary();
+        bytes[8..12].copy_from_slice(&length.to_le_bytes());
+        let error = open(&folder.path().join("short.glb"), &bytes).unwrap_err().to_string();
+        assert!(error.contains("length that is less"), "{length}: {error}");
+    }
+    // Nor is a file that ends in its header more than refused
+    assert!(open(&folder.path().join("short.glb"), b"glTF'\0\0\0\0\0\0").is_err());
+}
+
+#[test]
 fn an_orthographic_camera_is_left_out_and_told() {
     let folder = tempfile::tempdir().unwrap();
     let whole = String::from_utf8(text()).unwrap();

@@ -2,7 +2,9 @@
 //! `data/scenes/FORMAT.md`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|text: &str| {
+mod watch;
+
+libfuzzer_sys::fuzz_target!(init: watch::let_caught_panics_pass(), |text: &str| {
     // A folder without meshes
     if let Ok(file) = trace::SceneFile::parse(text, "/nonexistent/scene.toml") {
         for (name, shot) in file.shots() {

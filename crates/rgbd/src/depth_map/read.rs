@@ -32,7 +32,7 @@ pub fn read_depth_map(path: &Path, channel: Option<&str>, max_pixels: u64) -> Re
     match PhotoFormat::of_file(path)? {
         Some(format) => {
             let decoded = decode(path, format, max_pixels)?;
-            grey(&decoded).ok_or_else(|| ReadError::Unsupported {
+            grey(decoded).ok_or_else(|| ReadError::Unsupported {
                 path: path.into(),
                 what: "a depth map in colours".into(),
                 remedy: "export it in shades of grey",
@@ -43,13 +43,14 @@ pub fn read_depth_map(path: &Path, channel: Option<&str>, max_pixels: u64) -> Re
 }
 
 /// The map of a grey picture; `None` of one in colours.
-fn grey(decoded: &Decoded) -> Option<DepthMap> {
-    let (stored, largest) = match &decoded.samples {
-        Samples::Eight(bytes) => (one_channel(bytes, decoded.channels, 255.0)?, Some(255.0)),
-        Samples::Sixteen(words) => (one_channel(words, decoded.channels, 65535.0)?, Some(65535.0)),
+fn grey(decoded: Decoded) -> Option<DepthMap> {
+    let (stored, largest) = match decoded.samples {
+        Samples::Eight(bytes) => (one_channel(&bytes, decoded.channels, 255.0)?, Some(255.0)),
+        Samples::Sixteen(words) => (one_channel(&words, decoded.channels, 65535.0)?, Some(65535.0)),
+        Samples::Float(numbers) if decoded.channels == 1 => (numbers, None),
         Samples::Float(numbers) => {
             let largest = numbers.iter().filter(|number| number.is_finite()).fold(0.0_f32, |a, &b| a.max(b.abs()));
-            (one_channel(numbers, decoded.channels, largest)?, None)
+            (one_channel(&numbers, decoded.channels, largest)?, None)
         }
     };
     let stored = Plane::from_values(PixelWindow::of_size(decoded.width, decoded.height), stored)?;
@@ -115,10 +116,9 @@ fn of_exr(path: &Path, channel: Option<&str>, max_pixels: u64) -> Result<DepthMa
             }
         }
     };
-    let plane = file.planes(&[at])?.swap_remove(0);
-    let plane = fitted(plane, survey.display, f32::NAN);
+    let plane = fitted(file.planes(&[at])?.swap_remove(0), survey.display, f32::NAN);
     let window = PixelWindow::of_size(survey.display.width, survey.display.height);
-    let stored = Plane::from_values(window, plane.values().to_vec()).expect("a number for each pixel");
+    let stored = Plane::from_values(window, plane.into_values()).expect("a number for each pixel");
     let found = if is_named { survey.label(at) } else { format!("{}, three times the same", survey.label(at)) };
     Ok(DepthMap { stored, largest: None, is_named, found })
 }

@@ -8,7 +8,7 @@
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{DepthMap, MapMeaning};
+use super::MapMeaning;
 use crate::{Picture, PixelWindow, Plane};
 
 /// How different two colours are that are no more alike, in square roots of light.
@@ -22,14 +22,14 @@ const SPACE_SIGMA: f64 = 1.0;
 
 /// Planar depths of a map, in its own pixels and NaN where they are not known, brought to the pixels of `guide`.
 ///
-/// `map` and `meaning` tell how coarse its numbers are: what lies less than two of their steps apart is no edge. A pixel of
-/// the picture that lies in an unknown pixel of the map stays unknown. A map that is no smaller than the picture is taken
+/// `largest`, the largest whole number of the map, and `meaning` tell how coarse its numbers are: what lies less than two of
+/// their steps apart is no edge. A pixel of the picture that lies in an unknown pixel of the map stays unknown. A map that is no smaller than the picture is taken
 /// pixel by pixel.
 #[must_use]
-pub fn fit_to_picture(planar: &Plane, guide: &Picture, map: &DepthMap, meaning: &MapMeaning) -> Plane {
+pub fn fit_to_picture(planar: Plane, guide: &Picture, largest: Option<f32>, meaning: &MapMeaning) -> Plane {
     let (from, to) = (planar.window(), guide.window());
     if from.width == to.width && from.height == to.height {
-        return Plane::from_values(to, planar.values().to_vec()).expect("the same pixels");
+        return Plane::from_values(to, planar.into_values()).expect("the same pixels");
     }
     let scale = DVec2::new(f64::from(from.width) / f64::from(to.width), f64::from(from.height) / f64::from(to.height));
     let likeness = (scale.x < 1.0 || scale.y < 1.0).then(|| roots_in(guide, from));
@@ -42,7 +42,7 @@ pub fn fit_to_picture(planar: &Plane, guide: &Picture, map: &DepthMap, meaning: 
             *depth = match &likeness {
                 Some(roots) if !nearest.is_nan() => {
                     let own = roots_of(guide, row * to.width as usize + column);
-                    Around::new(planar, roots, at, own).depth(|inverse| map.step(meaning, inverse))
+                    Around::new(&planar, roots, at, own).depth(|inverse| meaning.step(largest, inverse))
                 }
                 _ => nearest,
             };

@@ -31,7 +31,7 @@ impl PhotoFormat {
     }
 
     fn of_bytes(start: &[u8]) -> Option<Self> {
-        const STARTS: [(&[u8], PhotoFormat); 10] = [
+        const STARTS: [(&[u8], PhotoFormat); 8] = [
             (b"\x89PNG\r\n\x1a\n", PhotoFormat::Png),
             (b"\xff\xd8\xff", PhotoFormat::Jpeg),
             (b"II*\0", PhotoFormat::Tiff),
@@ -40,9 +40,13 @@ impl PhotoFormat {
             (b"MM\0+", PhotoFormat::Tiff),
             (b"#?RADIANCE", PhotoFormat::Hdr),
             (b"#?RGBE", PhotoFormat::Hdr),
-            (b"PF\n", PhotoFormat::Pfm),
-            (b"Pf\n", PhotoFormat::Pfm),
         ];
+        // A word and any white space
+        if let [b'P', b'F' | b'f', space, ..] = start
+            && space.is_ascii_whitespace()
+        {
+            return Some(Self::Pfm);
+        }
         STARTS.into_iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, format)| format)
     }
 

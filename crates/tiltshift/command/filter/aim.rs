@@ -1,12 +1,12 @@
 //! The camera to filter with: what the picture sees, and the lens that was asked for.
 
 use anyhow::{anyhow, bail};
-use optics::{Camera, Pose, ThinLens};
+use optics::{Camera, Film, Ground, Pose, ThinLens};
 use rgbd::{Frame, LensAttributes, PixelWindow};
 
 use super::Source;
 use super::job::{Job, Say};
-use crate::focus_wish::Seen;
+use crate::focus_wish::{Seen, find_ground};
 use crate::lens_options::{Chosen, FilmOptions};
 use crate::values::Pixel;
 
@@ -48,7 +48,43 @@ pub(in crate::command) fn camera(
         );
     }
 
-    // Take what the options leave open from the header
+    let Sight { film, focal_length, metres_per_unit } = sight(job, options, frame, attributes, say)?;
+    let pose = frame.camera.map_or(Pose::IDENTITY, |camera| camera.pose);
+    let seen = Depths { frame, metres_per_unit, ground: job.ground, say };
+    let Chosen { camera, lens } = job.lens.camera(pose, film, focal_length, metres_per_unit, &seen)?;
+    for limit in job.lens.lens_preset.iter().flat_map(|preset| preset.beyond(&lens)) {
+        say(format_args!("warning: {limit}"));
+    }
+    Ok(Taken { camera, lens: Some(lens) })
+}
+
+/// The ground in a picture, in metres, and the film that shows it.
+pub(super) fn ground(
+    job: &Job,
+    options: &Source<'_>,
+    frame: &Frame,
+    attributes: &LensAttributes,
+) -> anyhow::Result<(Ground, Film)> {
+    let say: Say<'_> = &|_| ();
+    let Sight { film, metres_per_unit, .. } = sight(job, options, frame, attributes, say)?;
+    Ok((find_ground(&film, &Depths { frame, metres_per_unit, ground: None, say })?, film))
+}
+
+/// What a picture shows, and in which unit.
+struct Sight {
+    film: Film,
+    focal_length: Option<f64>,
+    metres_per_unit: f64,
+}
+
+/// What the picture shows, by what was typed, and by its header where that leaves it open.
+fn sight(
+    job: &Job,
+    options: &Source<'_>,
+    frame: &Frame,
+    attributes: &LensAttributes,
+    say: Say<'_>,
+) -> anyhow::Result<Sight> {
     let display = frame.display;
     let (width, height, aspect) = (display.width, display.height, f64::from(frame.pixel_aspect));
     let typed = &options.film.settled(&job.lens, width, height, aspect)?;
@@ -78,20 +114,15 @@ pub(in crate::command) fn camera(
         say(format_args!("the unit of depth is not stated: taken as 1 m (--metres-per-unit says otherwise)"));
         1.0
     });
-    let pose = frame.camera.map_or(Pose::IDENTITY, |camera| camera.pose);
-    let seen = Depths { frame, metres_per_unit, say };
     let focal_length = typed.focal_length_mm().or_else(|| film_options.focal_length_mm());
-    let Chosen { camera, lens } = job.lens.camera(pose, film, focal_length, metres_per_unit, &seen)?;
-    for limit in job.lens.lens_preset.iter().flat_map(|preset| preset.beyond(&lens)) {
-        say(format_args!("warning: {limit}"));
-    }
-    Ok(Taken { camera, lens: Some(lens) })
+    Ok(Sight { film, focal_length, metres_per_unit })
 }
 
 /// The depths of a frame in metres, by pixels of its display window.
 struct Depths<'a> {
     frame: &'a Frame,
     metres_per_unit: f64,
+    ground: Option<Ground>,
     say: Say<'a>,
 }
 
@@ -109,6 +140,10 @@ impl Seen for Depths<'_> {
             is_known.then(|| (Pixel { x, y: row }, inverse()))
         };
         Some((0..display.width as i32).filter_map(inverse).collect())
+    }
+
+    fn ground(&self) -> Option<Ground> {
+        self.ground
     }
 
     fn say(&self, line: std::fmt::Arguments<'_>) {

@@ -5,9 +5,9 @@ use std::path::Path;
 use anyhow::{Context, anyhow, bail};
 use optics::Film;
 use rgbd::{
-    DepthConvention, DepthMap, DepthSummary, Encoding, Frame, Head, Layer, LensAttributes, Loaded, MapMeaning, Photo,
-    PhotoFormat, Picture, PixelWindow, Plane, fill_holes, fit_to_picture, photo_size, read_depth_map, read_frame,
-    read_photo, read_picture, survey_file,
+    DepthConvention, DepthMap, DepthSummary, DepthVerdict, Encoding, Frame, Head, Layer, LensAttributes, Loaded,
+    MapMeaning, Photo, PhotoFormat, Picture, PixelWindow, Plane, ReadOptions, fill_holes, fit_to_picture, photo_size,
+    read_depth_map, read_frame, read_photo, read_picture, survey_file,
 };
 
 use super::Source;
@@ -21,6 +21,8 @@ pub(in crate::command) struct Input {
     pub(in crate::command) lens: LensAttributes,
     /// How it is stored, where it is a photo.
     pub(in crate::command) encoding: Option<Encoding>,
+    /// What the depth was taken as, where its flat surfaces were asked.
+    pub(in crate::command) told: Option<DepthConvention>,
 }
 
 /// Reads colour and depth, and says what was understood.
@@ -47,7 +49,7 @@ pub(in crate::command) fn read(job: &Job, options: &Source<'_>, say: Say<'_>) ->
             let film = film.or(noted.film(width, height, 1.0)?);
             let head = Head { primaries: encoding.primaries, ..Head::new(picture.window()) };
             let frame = with_map(picture, &head, depth, film.as_ref(), options, say)?;
-            Ok(Input { frame, lens, encoding: Some(encoding) })
+            Ok(Input { frame, lens, encoding: Some(encoding), told: None })
         }
         (None, Some(depth)) => {
             let read = options.read.options(None, options.film.metres_per_unit);
@@ -64,7 +66,7 @@ pub(in crate::command) fn read(job: &Job, options: &Source<'_>, say: Say<'_>) ->
             let covered = picture.window().union(&head.display);
             let picture = picture.covering(covered).cropped(head.display);
             let frame = with_map(picture, &head, depth, film.as_ref(), options, say)?;
-            Ok(Input { frame, lens, encoding: None })
+            Ok(Input { frame, lens, encoding: None, told: None })
         }
     }
 }
@@ -75,10 +77,49 @@ fn read_rgbd(job: &Job, options: &Source<'_>, say: Say<'_>) -> anyhow::Result<In
     let survey = survey_file(&job.input, options.read.max_pixels())?;
     let (width, height, aspect) = (survey.display.width, survey.display.height, f64::from(survey.pixel_aspect));
     let film = options.film.settled(&job.lens, width, height, aspect)?.film(width, height, aspect)?;
-    let read = options.read.options(film, options.film.metres_per_unit);
-    let Loaded { value: frame, choice, lens, .. } = read_frame(&job.input, &read)?;
-    say(format_args!("read {}: {choice}", job.input.display()));
-    Ok(Input { frame, lens, encoding: None })
+    let mut read = options.read.options(film, options.film.metres_per_unit);
+    let typed = options.read.depth_as();
+    read.convention = typed.or(job.convention).unwrap_or_default();
+    let mut loaded = read_frame(&job.input, &read)?;
+    say(format_args!("read {}: {}", job.input.display(), loaded.choice));
+
+    // Ask the flat surfaces, unless the file knows
+    let mut told = None;
+    if !loaded.choice.is_stated && loaded.head.camera.is_none() {
+        let film = film.or(loaded.lens.film(width, height, survey.pixel_aspect));
+        let verdict = DepthVerdict::of(&loaded.value.layers()[0].depth, survey.display, film.as_ref());
+        check_scale(&job.input, &verdict, options)?;
+        told = Some(read.convention);
+        match verdict.convention.filter(|&kind| verdict.is_sure() && kind != DepthConvention::Planar) {
+            Some(kind) if typed.or(job.convention).is_none() => {
+                say(format_args!(
+                    "warning: its depth is taken as {verdict}; --depth-as planar takes it as planar depth all the same"
+                ));
+                loaded = read_frame(&job.input, &ReadOptions { convention: kind, ..read })?;
+                told = Some(kind);
+            }
+            Some(_) => say(format_args!("warning: taken as {}, its depth looks like {verdict}", read.convention)),
+            None if typed.is_none() && job.convention.is_none() => say(format_args!("  its depth: {verdict}")),
+            None => {}
+        }
+    }
+    let Loaded { value: frame, lens, .. } = loaded;
+    Ok(Input { frame, lens, encoding: None, told })
+}
+
+/// Fails where depth looks normalised, and nobody says between which distances.
+fn check_scale(path: &Path, verdict: &DepthVerdict, options: &Source<'_>) -> anyhow::Result<()> {
+    let is_stated = options.read.depth_range().is_some()
+        || options.read.depth_as().is_some()
+        || options.film.metres_per_unit.is_some();
+    if verdict.is_normalised && !is_stated {
+        bail!(
+            "depth of {path:?} lies from 0 to 1 as if it were normalised; add --depth-range BLACK,WHITE (the distances in \
+             metres that 0 and 1 stand for, like 0.5,10; or 10,0.5 where 1 is near), with --depth-as inverse where it is disparity, \
+             or --depth-as planar where it is a distance as it stands"
+        );
+    }
+    Ok(())
 }
 
 /// A frame of a picture, which covers the display window, and a map of its depth.
@@ -93,7 +134,7 @@ fn with_map(
     let map = read_depth_map(path, options.read.depth_channel(), options.read.max_pixels())?;
     let display = picture.window();
     check_shape(path, &map, display)?;
-    let meaning = meaning(path, &map, options)?;
+    let meaning = meaning(path, &map, film, options)?;
     if meaning.convention == DepthConvention::Ray && film.is_none() {
         bail!(
             "depth of {path:?} as distance along the ray needs the camera's field of view; name --focal-length and \
@@ -102,21 +143,29 @@ fn with_map(
     }
 
     // Bring it to the picture's pixels, and close holes if asked to
-    let planar = map.planar(&meaning, film);
-    let mut depth = fit_to_picture(&planar, &picture, &map, &meaning);
+    let (largest, found, window) = (map.largest, map.found.clone(), map.window());
+    let planar = map.into_planar(&meaning, film);
+    let verdict = DepthVerdict::of(&planar, window, film_of_map(window, film).as_ref());
+    if verdict.is_sure() && verdict.convention != Some(DepthConvention::Planar) {
+        say(format_args!("warning: taken as {}, the depth looks like {verdict}", meaning.convention));
+    }
+    let mut depth = fit_to_picture(planar, &picture, largest, &meaning);
     let unknown = depth.values().iter().filter(|depth| depth.is_nan()).count();
     let mut filled = 0;
     if options.read.fills_holes() && unknown > 0 {
         (depth, filled) = fill_holes(depth, &picture);
     }
-    tell(path, &map, &meaning, &depth, display, say);
+    tell(path, (window, &found), &meaning, &depth, display, say);
     let share = |pixels: usize| 100.0 * pixels as f64 / display.area() as f64;
     if filled > 0 {
-        say(format_args!("  filled holes: {:.1} % of the pixels, from what is known around them", share(filled)));
+        say(format_args!(
+            "  filled holes: {:.1} % of the pixels, from what is known around them (--keep-holes leaves them)",
+            share(filled)
+        ));
     } else if unknown > 0 {
         say(format_args!(
             "  not known in {:.1} % of the pixels, which take the depth that is known nearest to them, if it is within \
-             32 px (--fill-holes fills along the colours, however far)",
+             32 px, and stay sharp farther in",
             share(unknown)
         ));
     }
@@ -151,8 +200,13 @@ fn check_shape(path: &Path, map: &DepthMap, display: PixelWindow) -> anyhow::Res
     bail!("the depth map {path:?} is {a}x{b}, but the picture is {c}x{d}, of another shape; {remedy}")
 }
 
-/// What the map's numbers mean; where that is left open, one sentence asks.
-fn meaning(path: &Path, map: &DepthMap, options: &Source<'_>) -> anyhow::Result<MapMeaning> {
+/// The film in pixels of the map.
+fn film_of_map(window: PixelWindow, film: Option<&Film>) -> Option<Film> {
+    film.and_then(|film| film.resized(window.width, window.height).ok())
+}
+
+/// What the map's numbers mean; where that is left open, one sentence asks, and says what its flat surfaces look like.
+fn meaning(path: &Path, map: &DepthMap, film: Option<&Film>, options: &Source<'_>) -> anyhow::Result<MapMeaning> {
     let (range, unit) = (options.read.depth_range(), options.film.metres_per_unit);
     let known = map.stored.values().iter().filter(|number| number.is_finite());
     let [least, most] = known.fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &x| [a.min(x), b.max(x)]);
@@ -166,9 +220,14 @@ fn meaning(path: &Path, map: &DepthMap, options: &Source<'_>) -> anyhow::Result<
     let is_normalised = map.largest.is_some() || (!map.is_named && least >= 0.0 && (0.99..=1.0).contains(&most));
     let has_scale = range.is_some() || (unit.is_some() && map.largest != Some(255.0));
     match (convention, is_normalised && !has_scale) {
-        (None, true) => bail!("{path:?} ({}) does not say what its numbers mean; add {kinds}, and {ends}", map.found),
-        (None, false) => {
-            bail!("{path:?} ({}, {least} to {most}) does not say what its numbers mean; add {kinds}", map.found)
+        (None, is_open) => {
+            let verdict = DepthVerdict::of(&map.stored, map.window(), film_of_map(map.window(), film).as_ref());
+            let looks = verdict.convention.map_or_else(String::new, |_| format!(" (it looks like {verdict})"));
+            let ends = if is_open { format!(", and {ends}") } else { String::new() };
+            bail!(
+                "{path:?} ({}, {least} to {most}) does not say what its numbers mean{looks}; add {kinds}{ends}",
+                map.found
+            )
         }
         (Some(_), true) if map.largest == Some(65535.0) => bail!(
             "{path:?} holds whole numbers from {least} to {most}; add {ends}, or --metres-per-unit where they count units \
@@ -183,14 +242,20 @@ fn meaning(path: &Path, map: &DepthMap, options: &Source<'_>) -> anyhow::Result<
             if let Some(end) = range.and_then(|ends| ends.into_iter().find(|&end| is_bad(end))) {
                 return Err(anyhow!("--depth-range has an end at {end}, which {convention} cannot have; give another"));
             }
-            Ok(MapMeaning { convention, range })
+            Ok(MapMeaning { convention, range, background: options.read.background() })
         }
     }
 }
 
 /// Says what was taken as depth.
-fn tell(path: &Path, map: &DepthMap, meaning: &MapMeaning, depth: &Plane, display: PixelWindow, say: Say<'_>) {
-    let window = map.window();
+fn tell(
+    path: &Path,
+    (window, found_in): (PixelWindow, &str),
+    meaning: &MapMeaning,
+    depth: &Plane,
+    display: PixelWindow,
+    say: Say<'_>,
+) {
     let range = match meaning.range {
         Some([black, white]) => format!(", black {black} m, white {white} m"),
         None => String::new(),
@@ -206,7 +271,7 @@ fn tell(path: &Path, map: &DepthMap, meaning: &MapMeaning, depth: &Plane, displa
     say(format_args!(
         "depth from {} ({}{size}), taken as {}{range}: {found}",
         path.display(),
-        map.found,
+        found_in,
         meaning.convention
     ));
 }

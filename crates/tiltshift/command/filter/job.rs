@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use ::filter::{Filtered, FrameView, Highlights, Method, apply_in_bands, coc_radius_px};
-use anyhow::bail;
-use optics::{Camera, ThinLens};
-use rgbd::{Frame, Head, Progress};
+use anyhow::{Context, bail};
+use optics::{Camera, Ground, ThinLens};
+use rgbd::{DepthConvention, Frame, Head, Progress, could_replace_file};
 use serde::Serialize;
 
 use super::aim::{Taken, camera, describe};
@@ -27,6 +27,10 @@ pub(in crate::command) struct Job {
     pub(in crate::command) png: Option<PathBuf>,
     pub(in crate::command) overlay: Option<PathBuf>,
     pub(in crate::command) lens: LensOptions,
+    /// What its depth is taken as where nobody says so; told from its own flat surfaces without.
+    pub(in crate::command) convention: Option<DepthConvention>,
+    /// The ground in metres, where it is known before the picture is.
+    pub(in crate::command) ground: Option<Ground>,
 }
 
 /// How progress is shown.
@@ -103,7 +107,7 @@ impl Job {
 
         // Read the picture and aim the lens
         let source = Source { film: &options.film, read: &options.read };
-        let Input { frame, lens: attributes, encoding } = read(self, &source, say)?;
+        let Input { frame, lens: attributes, encoding, .. } = read(self, &source, say)?;
         let display = frame.display;
         let frame = frame.covering(display);
         let Taken { camera, lens } = camera(self, &source, &frame, &attributes, say)?;
@@ -167,6 +171,7 @@ impl Job {
         refuse_overwriting(&inputs, &outputs)?;
         for output in outputs {
             make_folder_of(output)?;
+            could_replace_file(output).with_context(|| format!("cannot write {output:?}"))?;
         }
         let wants_error =
             [("--predicted-error", options.predicted_error), ("--tolerance", options.tolerance.is_some())];

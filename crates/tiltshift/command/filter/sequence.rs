@@ -12,6 +12,7 @@ use serde_json::json;
 
 use super::Options;
 use super::job::{Job, Report, Shown};
+use super::steady::share;
 use crate::console::{Bar, is_interrupted, print, say};
 use crate::failure::{Failure, Outcome};
 use crate::focus_keys::FocusKeys;
@@ -37,6 +38,13 @@ impl Sequence {
         let (first, range) = (&options.inputs[0], options.frames.frames);
         if options.inputs.len() > 1 {
             return Self::listed(options.inputs.clone(), range).map(Some);
+        }
+        if first.is_dir() {
+            bail!(
+                "{first:?} is a folder; name the frames in it, like {:?} or {:?}",
+                first.join("shot.####.exr"),
+                first.join("*.exr")
+            );
         }
         if first.exists() {
             if range.is_some() {
@@ -102,7 +110,7 @@ enum Fate {
 
 /// Filters all frames.
 pub(super) fn run(sequence: &Sequence, options: &Options, keys: Option<&FocusKeys>) -> Outcome {
-    let frames: Vec<(i64, Job)> =
+    let mut frames: Vec<(i64, Job)> =
         sequence.inputs.iter().map(|(&frame, input)| (frame, job(frame, input, options, keys))).collect();
     let outputs: Vec<&Path> = frames.iter().flat_map(|(_, job)| job.outputs()).collect();
     let mut sorted = outputs.clone();
@@ -117,7 +125,8 @@ pub(super) fn run(sequence: &Sequence, options: &Options, keys: Option<&FocusKey
         say(format_args!("missing: frames {}", in_words(&sequence.missing)));
     }
 
-    // Share memory and cores out
+    // Share what must not jump, then memory and cores
+    share(&mut frames, options);
     let workers = workers(&frames, options);
     let limit = options.method.memory_limit / workers as u64;
     say(format_args!("{} frames, {workers} at a time", frames.len()));
@@ -217,6 +226,8 @@ fn job(frame: i64, input: &Path, options: &Options, keys: Option<&FocusKeys>) ->
         png: options.png.as_ref().map(result),
         overlay: options.overlay.as_ref().map(result),
         lens: keys.map_or_else(|| options.lens.clone(), |keys| keys.at(frame, &options.lens)),
+        convention: None,
+        ground: None,
     }
 }
 
@@ -232,8 +243,9 @@ fn one(frame: i64, job: &Job, options: &Options, memory_limit: u64, is_first: bo
     let collect =
         |line: std::fmt::Arguments<'_>| lines.lock().expect("one thread says something").push(line.to_string());
     let outcome = job.run(options, memory_limit, Shown::Nothing, &collect);
-    if options.verbose || is_first {
-        for line in lines.into_inner().expect("one thread says something") {
+    // Warnings are told of each frame
+    for line in lines.into_inner().expect("one thread says something") {
+        if options.verbose || is_first || line.starts_with("warning") {
             say(format_args!("frame {frame}: {line}"));
         }
     }

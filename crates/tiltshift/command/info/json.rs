@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use rgbd::{Choice, DepthSummary, Inspection, LensAttributes, PartSurvey, PixelWindow, Understood};
+use rgbd::{Choice, DepthSummary, DepthVerdict, Inspection, LensAttributes, PartSurvey, PixelWindow, Understood};
 use serde_json::{Value, json};
 
 /// All that there is to say.
 pub(super) fn report(path: &Path, inspection: &Inspection) -> Value {
-    let Inspection { survey, head, lens, notes, kind, frame, picture, picture_is_grey } = inspection;
+    let Inspection { survey, head, lens, notes, kind, frame, picture, picture_is_grey, picture_verdict } = inspection;
     let p = &head.primaries;
     let primaries = [p.red, p.green, p.blue, p.white].map(|xy| xy.map(number));
     json!({
@@ -23,6 +23,7 @@ pub(super) fn report(path: &Path, inspection: &Inspection) -> Value {
         "refused_because": frame.as_ref().err().map(ToString::to_string),
         "picture": picture.as_ref().map(choice),
         "picture_is_grey": picture_is_grey,
+        "picture_as_depth": picture_verdict.as_ref().map(verdict),
         "camera": head.camera,
         "lens_attributes": attributes(lens),
         "notes": notes,
@@ -56,6 +57,7 @@ fn understood(understood: &Understood) -> Value {
     value["pixels_of_unknown_depth"] = json!(unknown);
     value["background_stored_as"] = json!(background.map(number));
     value["holes_stored_as"] = json!(hole.map(number));
+    value["flat_surfaces_say"] = json!(understood.verdict.as_ref().map(verdict));
     value["deep"] = json!(understood.deep.map(|deep| json!({
         "samples": deep.samples,
         "most_samples_in_a_pixel": deep.most,
@@ -66,8 +68,20 @@ fn understood(understood: &Understood) -> Value {
     value
 }
 
+/// What flat surfaces say of the numbers.
+pub(super) fn verdict(verdict: &DepthVerdict) -> Value {
+    json!({
+        "convention": verdict.convention.map(|convention| convention.to_string()),
+        "confidence": number(verdict.confidence),
+        "patches_that_agree": verdict.patches[0],
+        "patches_that_contradict": verdict.patches[1],
+        "is_normalised": verdict.is_normalised,
+        "knows_field_of_view": verdict.knows_film,
+    })
+}
+
 fn choice(choice: &Choice) -> Value {
-    let Choice { view, color, depth, hidden, reason } = choice;
+    let Choice { view, color, depth, hidden, reason, .. } = choice;
     json!({ "view": view, "color": color, "depth": depth, "hidden_layers": hidden, "reason": reason })
 }
 

@@ -21,7 +21,7 @@ fn line(f: &mut fmt::Formatter<'_>, what: &str, text: impl Display) -> fmt::Resu
 
 impl Display for Words<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Inspection { survey, head, lens, kind, frame, picture, picture_is_grey, .. } = self.inspection;
+        let Inspection { survey, head, lens, kind, frame, picture, picture_verdict, .. } = self.inspection;
         write!(f, "{}", shown(&self.path.display().to_string()))?;
         if let Some(kind) = kind {
             line(f, "written by", format_args!("tiltshift, as a {kind}"))?;
@@ -50,8 +50,9 @@ impl Display for Words<'_> {
                     describe_choice(f, choice)?;
                 }
                 line(f, "filter", format_args!("refuses it: {}", shown(&error.to_string())))?;
-                if *picture_is_grey {
+                if let Some(verdict) = picture_verdict {
                     line(f, "", "red, green and blue are the same everywhere: if that is depth, name it with --depth")?;
+                    line(f, "flat surfaces", verdict)?;
                 }
             }
         }
@@ -142,6 +143,9 @@ fn describe_frame(f: &mut fmt::Formatter<'_>, understood: &Understood) -> fmt::R
     };
     line(f, "background", pixels(depth.infinite, depth.background))?;
     line(f, "holes", pixels(depth.unknown, depth.hole))?;
+    if let Some(verdict) = understood.verdict {
+        line(f, "flat surfaces", verdict)?;
+    }
     if let Some(deep) = understood.deep {
         line(f, "samples", format_args!("{}, none in {} pixels; {deep}", deep.samples, deep.empty))?;
     }

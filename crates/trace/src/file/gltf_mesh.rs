@@ -80,6 +80,11 @@ pub(super) fn read(path: &Path) -> Result<Model, String> {
 /// What a file says, if it keeps to the format.
 fn parse(path: &Path) -> Result<(gltf::Document, Option<Vec<u8>>), String> {
     let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    // The crate takes the 12 bytes of a binary header off the length that it states
+    let stated = bytes.strip_prefix(b"glTF").and_then(|rest| rest.get(4..)?.first_chunk());
+    if stated.is_some_and(|length| u32::from_le_bytes(*length) < 12) {
+        return Err("its header states a length that is less than its own".to_owned());
+    }
     let gltf::Gltf { document, blob } =
         gltf::Gltf::from_slice_without_validation(&bytes).map_err(|error| one_line(&error))?;
     // The crate looks at these accessors before it has found out that they exist
