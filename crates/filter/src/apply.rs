@@ -8,6 +8,7 @@ use rgbd::{Picture, PixelWindow, Plane, Progress};
 use crate::{
     FilterError, FrameView, GatherSettings, KernelRule, LensRaysSettings,
     gather::{GatherRun, Gathered, gather},
+    images::Images,
     lattice::SIDES_PER_RADIUS,
     lens_map::PixelLens,
     lens_points::MAX_SAMPLES,
@@ -63,6 +64,24 @@ impl Method {
         }
     }
 
+    /// How many layers it uses; `None` if it blurs nothing.
+    pub(crate) fn layers(&self) -> Option<usize> {
+        self.settings().map(|settings| settings.layers)
+    }
+
+    /// The same without a predicted error, and whether it makes one.
+    pub(crate) fn without_prediction(mut self) -> (Self, bool) {
+        let mut predicts = false;
+        match &mut self {
+            Self::Gather(settings) | Self::Merged(settings) => {
+                std::mem::swap(&mut settings.predict_error, &mut predicts)
+            }
+            Self::LensRays(settings) => std::mem::swap(&mut settings.predict_error, &mut predicts),
+            Self::Pinhole | Self::OwnCoc(_) => {}
+        }
+        (self, predicts)
+    }
+
     /// What all blurring methods share: kernel, largest blur and layers. Rays know no kernel but the exact one.
     fn settings(&self) -> Option<GatherSettings> {
         match *self {
@@ -96,6 +115,8 @@ pub struct Filtered {
     pub cut_to_px: Option<f32>,
     /// How far each pixel may be from the truth, and why, where it was asked for.
     pub predicted_error: Option<PredictedError>,
+    /// Share of the frame's pixels whose images in mirrors and glass were blurred by their optical depth.
+    pub image_share: f32,
 }
 
 /// Puts the lens of `camera` onto the frame and returns the pixels of `window`.
@@ -104,6 +125,9 @@ pub struct Filtered {
 /// the whole frame, the view must reach [`reach_px`] pixels beyond `window` (or to the end of the data). Pixels of
 /// `window` without data receive what blurs onto them, else nothing (alpha 0). The result is the same for any number of
 /// threads and any cut into windows.
+///
+/// Where the frame knows the [optical depth](rgbd::Frame::optical_depth) of what mirrors and glass show, that is blurred by it,
+/// while what hides them, and what they hide, goes by their surface; it takes two runs of the method.
 ///
 /// ```
 /// use glam::{DVec2, DVec3};
@@ -133,6 +157,22 @@ pub struct Filtered {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn apply(
+    view: &FrameView,
+    camera: &Camera,
+    method: &Method,
+    window: PixelWindow,
+    progress: &dyn Progress,
+) -> Result<Filtered, FilterError> {
+    match Images::of(view.frame(), camera, method) {
+        None => one_frame(view, camera, method, window, progress),
+        Some(images) => images.composed(view, method, progress, |view, method, progress| {
+            one_frame(view, camera, method, window, progress)
+        }),
+    }
+}
+
+/// The same for a frame whose surfaces show themselves.
+pub(crate) fn one_frame(
     view: &FrameView,
     camera: &Camera,
     method: &Method,
@@ -191,7 +231,15 @@ pub fn apply(
     let predicted_error = doubt.map(|doubt| predicted_error(view, camera, settings.sides, window, &doubt));
     let picture = if around == window { picture } else { picture.cropped(window) };
     let cut_to_px = (largest_radius_px > limit).then_some(limit);
-    Ok(Filtered { picture, kernel: model, kernel_choice, largest_radius_px, cut_to_px, predicted_error })
+    Ok(Filtered {
+        picture,
+        kernel: model,
+        kernel_choice,
+        largest_radius_px,
+        cut_to_px,
+        predicted_error,
+        image_share: 0.0,
+    })
 }
 
 /// How many pixels around a window a method may look at on this frame; finite for each method.
@@ -200,6 +248,14 @@ pub fn apply(
 /// blur's difference over the frame's depths and up to 115 pixels more (squares, holes).
 #[must_use]
 pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
+    let reach = |view: &FrameView| reach_of_one(view, camera, method);
+    let images = Images::of(view.frame(), camera, method);
+    images
+        .map_or_else(|| reach(view), |images| images.views(view).map(|view| reach(&view)).into_iter().fold(0, u32::max))
+}
+
+/// The same for a frame whose surfaces show themselves.
+pub(crate) fn reach_of_one(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
     let Some(settings) = method.settings() else { return 0 };
     let frame = view.frame();
     let inverse = inverse_range(depth_range(view, &settings), view, camera);
@@ -291,6 +347,7 @@ fn unfiltered(view: &FrameView, window: PixelWindow) -> Filtered {
         largest_radius_px: 0.0,
         cut_to_px: None,
         predicted_error: None,
+        image_share: 0.0,
     }
 }
 

@@ -1,12 +1,17 @@
 //! A picture that is too large for the memory goes through in bands.
 
+use optics::Camera;
 use rgbd::{Picture, PixelWindow, Plane, Progress};
 
-use crate::{FilterError, Filtered, FrameView, Method, PredictedError, apply, reach_px, tiles::TILE};
-use optics::Camera;
+use crate::{
+    FilterError, Filtered, FrameView, Method, PredictedError,
+    apply::{one_frame, reach_of_one},
+    images::Images,
+    tiles::TILE,
+};
 
 impl Method {
-    /// What [`apply`] allocates at most, its result among it, over the part of the frame that it may read.
+    /// What [`apply`](crate::apply) allocates at most, its result among it, over the part of the frame that it may read.
     ///
     /// 6, but 9 for lens rays, which keep what lies behind and before the first surface as whole surfaces.
     #[must_use]
@@ -18,11 +23,28 @@ impl Method {
 /// Bytes that one pixel of one layer of a frame takes: colour, depth, and whether it is known.
 const BYTES: u64 = 4 * 4 + 4 + 1;
 
-/// What [`apply`] makes of the whole view, to the bit, with at most `memory_limit` bytes besides the frame and the result.
+/// What [`apply`](crate::apply) makes of the whole view, to the bit, with at most `memory_limit` bytes besides the frame and the result.
 ///
-/// Where the limit is too small for the rows that a method reads around a band ([`reach_px`] above and below), bands are 32
+/// Where the limit is too small for the rows that a method reads around a band ([`reach_px`](crate::reach_px) above and below), bands are 32
 /// rows high and take what they need. A window that leaves the view goes through whole.
 pub fn apply_in_bands(
+    view: &FrameView,
+    camera: &Camera,
+    method: &Method,
+    window: PixelWindow,
+    memory_limit: u64,
+    progress: &dyn Progress,
+) -> Result<Filtered, FilterError> {
+    match Images::of(view.frame(), camera, method) {
+        None => one_in_bands(view, camera, method, window, memory_limit, progress),
+        Some(images) => images.composed(view, method, progress, |view, method, progress| {
+            one_in_bands(view, camera, method, window, memory_limit, progress)
+        }),
+    }
+}
+
+/// The same for a frame without images.
+fn one_in_bands(
     view: &FrameView,
     camera: &Camera,
     method: &Method,
@@ -35,11 +57,11 @@ pub fn apply_in_bands(
     let row = method.memory_factor() * BYTES * frame.layers().len() as u64 * width;
     let rows = memory_limit / row.max(1);
     if rows >= u64::from(view.window().height.max(window.height)) || !view.window().contains_window(&window) {
-        return apply(view, camera, method, window, progress);
+        return one_frame(view, camera, method, window, progress);
     }
 
     // Cut at tiles, so that none is gathered twice
-    let reach = reach_px(view, camera, method);
+    let reach = reach_of_one(view, camera, method);
     let height = (rows.saturating_sub(2 * u64::from(reach)) as u32 / TILE * TILE).max(TILE);
     let cut = |y: i32| (y.div_euclid(TILE as i32) * TILE as i32 + height as i32).min(window.y_end());
     let starts = std::iter::successors(Some(window.y), |&y| Some(cut(y)).filter(|&end| end < window.y_end()));
@@ -50,7 +72,7 @@ pub fn apply_in_bands(
     for (index, &band) in bands.iter().enumerate() {
         let progress = Part { progress, index: index as u64, count: bands.len() as u64 };
         let part = FrameView::part(frame, band.grown(reach, reach).intersection(&view.window()));
-        let filtered = apply(&part, camera, method, band, &progress)?;
+        let filtered = one_frame(&part, camera, method, band, &progress)?;
         let planes = planes(&filtered);
         match &mut joined {
             None => {
@@ -85,11 +107,11 @@ fn with_planes(filtered: Filtered, window: PixelWindow, values: Vec<Vec<f32>>) -
     Filtered { picture, predicted_error, ..filtered }
 }
 
-/// The progress of one of some bands.
-struct Part<'a> {
-    progress: &'a dyn Progress,
-    index: u64,
-    count: u64,
+/// The progress of one of some parts.
+pub(crate) struct Part<'a> {
+    pub(crate) progress: &'a dyn Progress,
+    pub(crate) index: u64,
+    pub(crate) count: u64,
 }
 
 impl Progress for Part<'_> {

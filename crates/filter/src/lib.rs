@@ -14,6 +14,9 @@
 //! The blur of a neighbour is read as a *gather*: with the focus w(q) of the receiving pixel, where an upright iris gives
 //! an exact uniform disc of radius `R s |1/z - w(q)|` pixels, however much the plane of focus tilts.
 //!
+//! What mirrors and glass show is blurred by how far away it seems to be, where the frame knows that
+//! ([`optical_depth`](rgbd::Frame::optical_depth)).
+//!
 //! Light must be linear and may be brighter than white. Where it was clipped at white, [`Highlights`] can guess it back
 //! first, so that lamps out of focus become bright discs.
 
@@ -30,6 +33,7 @@ mod forest;
 mod fragment;
 mod gather;
 mod highlights;
+mod images;
 mod kernel;
 mod lattice;
 mod lattice_sum;

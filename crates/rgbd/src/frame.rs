@@ -165,11 +165,11 @@ impl Frame {
     }
 
     /// The same frame with its first `count` layers only (at least one). The first alone is what any renderer writes, without
-    /// the [`rest`](Self::rest) of its pixels.
+    /// the [`rest`](Self::rest) of its pixels and their [`optical_depth`](Self::optical_depth).
     #[must_use]
     pub fn with_layers(mut self, count: usize) -> Self {
         self.layers.truncate(count.max(1));
-        if count > 1 { self } else { self.without_rest() }
+        if count > 1 { self } else { self.without_rest().without_optical_depth() }
     }
 
     /// The same frame with the colour (premultiplied, linear) of every pixel of every layer replaced by a function of it. The

@@ -64,6 +64,7 @@ mod headers;
 mod inspect;
 mod lens_attributes;
 mod offset_table;
+mod optical_depth;
 mod photo;
 mod picture;
 mod pixel_window;

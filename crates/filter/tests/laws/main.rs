@@ -8,6 +8,7 @@ mod cat_eye;
 mod energy;
 mod fuzz;
 mod highlights;
+mod images;
 mod leak;
 mod merged;
 mod predicted;

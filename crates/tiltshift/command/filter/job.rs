@@ -114,6 +114,8 @@ impl Job {
         describe(&camera, lens.as_ref(), options.verbose, say);
         let camera = opened(&camera, options.method.blur_scale)?;
 
+        let frame = if options.method.no_optical_depth { frame.without_optical_depth() } else { frame };
+
         // Give highlights back what clipping took
         let frame = match highlights {
             Some(highlights) => recover(&highlights, frame, say),
@@ -212,6 +214,12 @@ fn tell(filtered: &Filtered, method: &Method, seconds: f64, verbose: bool, say: 
         method.name(),
         2.0 * filtered.largest_radius_px
     ));
+    if filtered.image_share > 0.0 {
+        say(format_args!(
+            "  what mirrors and glass show in {:.1} % of the pixels is blurred by its optical depth (--no-optical-depth: by their surface)",
+            100.0 * filtered.image_share
+        ));
+    }
     if let Some(limit) = filtered.cut_to_px {
         say(format_args!("  cut to a radius of {limit} px; --max-radius sets the limit"));
     }

@@ -25,6 +25,10 @@ pub(crate) struct MethodOptions {
     /// How many of the file's layers to use; all without.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     layers: Option<u16>,
+    /// Blur what mirrors and glass show as if it lay on them, although the file knows its optical depth ("optical.Z", which
+    /// `tiltshift render` writes).
+    #[arg(long)]
+    pub(super) no_optical_depth: bool,
     /// How many rays a pixel gets (with --method lens-rays).
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65536))]
     rays: u32,

@@ -75,7 +75,8 @@ impl LayeredFrame {
 /// [rest](Frame::rest), seen by the same samples (unless there is one layer only). Each further layer holds at the pixel's
 /// centre the next surface that at least one of 48 points of the camera's own iris sees, alpha 1, or nothing, alpha 0 and depth
 /// unknown. Its colour is the average of those samples of the pixel that hit the same surface. Back faces, and so the insides
-/// of solids, are left out. Every ray is traced; no blur size is computed.
+/// of solids, are left out. Where mirrors or glass show images the frame has their [`optical_depth`] too. Every ray is
+/// traced; no blur size is computed.
 pub fn layers(
     scene: &Scene,
     camera: &Camera,
@@ -127,6 +128,13 @@ pub fn layers(
     frame.metres_per_unit = scene.metres_per_unit();
     if settings.count > 1 {
         frame = frame.with_rest(|x, y| rest[window.index(x, y)]);
+    }
+    // Say how far away images are, where mirrors or glass show any
+    if settings.count > 1 && scene.bounces() > 0 {
+        let optical = optical_depth(scene, camera, window);
+        if optical != frame.layers()[0].depth {
+            frame = frame.with_optical_depth(optical);
+        }
     }
     Ok(LayeredFrame { frame, needed_margin, margin })
 }
