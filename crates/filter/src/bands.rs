@@ -76,7 +76,13 @@ fn one_in_bands(
         let planes = planes(&filtered);
         match &mut joined {
             None => {
-                let values = planes.into_iter().map(|plane| plane.values().to_vec()).collect();
+                // All of the window at once: a vector that grows takes twice what it holds
+                let whole = |plane: &Plane| {
+                    let mut values = Vec::with_capacity(window.area());
+                    values.extend_from_slice(plane.values());
+                    values
+                };
+                let values = planes.into_iter().map(whole).collect();
                 joined = Some((filtered, values));
             }
             Some((whole, values)) => {
