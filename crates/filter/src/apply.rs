@@ -74,7 +74,7 @@ impl Method {
         let mut predicts = false;
         match &mut self {
             Self::Gather(settings) | Self::Merged(settings) => {
-                std::mem::swap(&mut settings.predict_error, &mut predicts)
+                std::mem::swap(&mut settings.predict_error, &mut predicts);
             }
             Self::LensRays(settings) => std::mem::swap(&mut settings.predict_error, &mut predicts),
             Self::Pinhole | Self::OwnCoc(_) => {}
