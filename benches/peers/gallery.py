@@ -1,6 +1,6 @@
 """A shot as four panels: pinhole, traced truth, filtered, and the difference of the last two, with the CPU seconds of each.
 
-    python gallery.py TILTSHIFT SCENE.toml SHOT OUT.png [--size 640x360] [--spp 512] [--frame-spp 256] [--exposure 0]
+    python gallery.py TILTSHIFT SCENE.toml SHOT OUT.png [--size 640x360] [--spp 512] [--frame-spp 256] [--enlarge 1]
 
 The pinhole picture and its time are those of the RGB-D frame with its layers, from which the filter starts. Needs pip
 `numpy OpenEXR pillow`.
@@ -50,7 +50,7 @@ def main():
     parser.add_argument("--size", default="640x360")
     parser.add_argument("--spp", default="512")
     parser.add_argument("--frame-spp", default="256")
-    parser.add_argument("--exposure", type=float, default=0)
+    parser.add_argument("--enlarge", type=int, default=1, help="show pictures so many times as large")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         at = lambda name: os.path.join(folder, name)
@@ -63,24 +63,31 @@ def main():
     psnr = -10 * np.log10(np.mean((truth - result) ** 2))
     clipped = -10 * np.log10(np.mean((np.clip(truth, 0, 1) - np.clip(result, 0, 1)) ** 2))
     print(f"{args.scene} {args.shot}: traced {traced:.1f} s, frame {layered:.1f} s, filter {filtered:.2f} s; PSNR {psnr:.2f} dB, clipped to 0..1 {clipped:.2f} dB\n{words}")
-    gain = 2**args.exposure
     panels = [
-        (f"pinhole with depth: {layered:.0f} CPU s", srgb(gain * pinhole)),
-        (f"truth: traced, {args.spp} samples, {traced:.0f} CPU s", srgb(gain * truth)),
-        (f"filtered: {filtered:.2f} CPU s", srgb(gain * result)),
-        (f"filtered - truth, x {TIMES}", difference(TIMES * (np.clip(gain * result, 0, 1) - np.clip(gain * truth, 0, 1)))),
+        (f"pinhole with depth: {layered:.0f} CPU s", pinhole),
+        (f"truth: traced, {args.spp} samples, {traced:.0f} CPU s", truth),
+        (f"filtered: {filtered:.2f} CPU s", result),
     ]
-    height, width = truth.shape[:2]
-    sheet = Image.new("RGB", (2 * width, 2 * height))
-    draw, font = ImageDraw.Draw(sheet), ImageFont.load_default(size=15)
-    for i, (title, picture) in enumerate(panels):
+    sheet(panels, args.enlarge).save(args.out, optimize=True)
+
+
+def sheet(panels, enlarge):
+    """Titles and linear pictures, the last two the truth and the result, and their difference."""
+    (_, truth), (_, result) = panels[-2:]
+    drawn = [(title, srgb(picture)) for title, picture in panels]
+    drawn.append((f"filtered - truth, x {TIMES}", difference(TIMES * (np.clip(result, 0, 1) - np.clip(truth, 0, 1)))))
+    height, width = [enlarge * side for side in truth.shape[:2]]
+    made = Image.new("RGB", (2 * width, 2 * height))
+    draw, font = ImageDraw.Draw(made), ImageFont.load_default(size=15)
+    for i, (title, picture) in enumerate(drawn):
         x, y = i % 2 * width, i // 2 * height
-        sheet.paste(Image.fromarray((picture * 255 + 0.5).astype(np.uint8)), (x, y))
+        tile = Image.fromarray((picture * 255 + 0.5).astype(np.uint8)).resize((width, height), Image.BICUBIC)
+        made.paste(tile, (x, y))
         box = draw.textbbox((x + 8, y + 6), title, font=font)
         draw.rectangle((box[0] - 4, box[1] - 4, box[2] + 4, box[3] + 4), fill=(0, 0, 0))
         draw.text((x + 8, y + 6), title, font=font, fill=(255, 255, 255))
     # 256 colours are enough to look at, and half the size
-    sheet.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.FLOYDSTEINBERG).save(args.out, optimize=True)
+    return made.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
 
 
 if __name__ == "__main__":
