@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2};
 
 use super::bsdf::Bsdf;
 use super::{Footprint, fresnel};
-use crate::geometry::PrimitiveId;
+use crate::geometry::SurfaceId;
 use crate::{Hit, Ray, Scene};
 
 /// Metals up to this roughness show images.
@@ -24,7 +24,7 @@ pub(crate) enum Bent {
 /// The surfaces that bend a ray, and where it ends.
 #[derive(Debug, Clone)]
 pub(crate) struct Chain {
-    steps: Vec<(PrimitiveId, bool)>,
+    steps: Vec<(SurfaceId, bool)>,
     pub(crate) end: Bent,
 }
 
@@ -54,7 +54,7 @@ fn bent(scene: &Scene, hit: &Hit, direction: DVec3, choice: Option<bool>) -> Opt
     };
     let next = point.to_world(local);
     let side = if next.dot(point.outward) > 0.0 { point.outward } else { -point.outward };
-    Some((through, Ray::leaving(hit.point, side, next)))
+    Some((through, Ray::leaving(hit.point, side, next).timed(hit.time)))
 }
 
 impl Chain {
@@ -76,8 +76,8 @@ impl Chain {
             if steps.len() == MOST {
                 return None;
             }
-            steps.push((at.primitive, through));
-            hit = scene.hit_from(&next, at.primitive);
+            steps.push((at.id(), through));
+            hit = scene.hit_from(&next, at.id());
             ray = next;
         }
     }
@@ -86,11 +86,11 @@ impl Chain {
     /// one of them.
     pub(crate) fn same_way(&self, scene: &Scene, ray: &Ray) -> Option<Bent> {
         let mut ray = *ray;
-        let mut from = crate::geometry::Geometry::NO_PRIMITIVE;
-        for &(primitive, through) in &self.steps {
-            let hit = scene.hit_from(&ray, from).filter(|hit| hit.primitive == primitive)?;
+        let mut from = SurfaceId::NONE;
+        for &(id, through) in &self.steps {
+            let hit = scene.hit_from(&ray, from).filter(|hit| hit.id() == id)?;
             ray = bent(scene, &hit, ray.direction.as_dvec3(), Some(through))?.1;
-            from = primitive;
+            from = id;
         }
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         match self.end {

@@ -23,9 +23,9 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use crate::geometry::{Geometry, PrimitiveId};
+use crate::geometry::{Geometry, SurfaceId};
 use crate::light::Cone;
-use crate::mesh_detail::Patch;
+use crate::mesh_detail::Patches;
 use crate::{Alpha, Finish, Hit, Ray, Scene};
 use albedo::Albedo;
 use emitters::Emitters;
@@ -52,10 +52,8 @@ pub(crate) struct PointLight {
 pub(crate) struct Transport {
     /// One for each material.
     pub(crate) finishes: Vec<Finish>,
-    /// In the order of their triangles.
-    patches: Vec<Patch>,
-    /// The triangle behind each name.
-    triangle_of: Vec<u32>,
+    /// Of what stands still.
+    patches: Patches,
     pub(crate) points: Vec<PointLight>,
     emitters: Emitters,
     environment: Option<Environment>,
@@ -72,8 +70,7 @@ pub(crate) struct Transport {
 /// What a builder knows of it.
 pub(crate) struct Parts {
     pub(crate) finishes: Vec<Finish>,
-    pub(crate) patches: Vec<Patch>,
-    pub(crate) triangle_of: Vec<u32>,
+    pub(crate) patches: Patches,
     pub(crate) points: Vec<PointLight>,
     pub(crate) environment: Option<Environment>,
     pub(crate) bounces: u32,
@@ -104,10 +101,9 @@ impl Transport {
             emission[material as usize] * mean
         };
         let emitters = if parts.bounces > 0 {
-            let named = parts.triangle_of.iter().enumerate().filter(|(_, triangle)| **triangle != u32::MAX);
-            let triangles = named.map(|(primitive, _)| {
-                let triangle = geometry.triangle(primitive as PrimitiveId);
-                (primitive as PrimitiveId, triangle.material, triangle.corners)
+            let triangles = parts.patches.names().map(|primitive| {
+                let triangle = geometry.triangle(primitive);
+                (primitive, triangle.material, triangle.corners)
             });
             Emitters::new(triangles, geometry.shapes(), emits)
         } else {
@@ -117,7 +113,6 @@ impl Transport {
         Self {
             finishes: parts.finishes,
             patches: parts.patches,
-            triangle_of: parts.triangle_of,
             points: parts.points,
             emitters,
             environment: parts.environment,
@@ -144,14 +139,6 @@ impl Transport {
         &self.reasons
     }
 
-    /// The placed mesh that a triangle belongs to, if that says anything of it, and the triangle's index.
-    fn patch(&self, primitive: PrimitiveId) -> Option<(&Patch, u32)> {
-        let triangle = self.triangle_of[primitive as usize];
-        let after = self.patches.partition_point(|patch| patch.range.start <= triangle);
-        let patch = &self.patches[after.checked_sub(1)?];
-        patch.range.contains(&triangle).then_some((patch, triangle))
-    }
-
     fn coat(&self, material: u32) -> &Albedo {
         &self.coats[self.coat_of[material as usize]]
     }
@@ -164,7 +151,7 @@ impl Transport {
     }
 
     /// The first surface on a ray but `skip` that is half opaque or more.
-    pub(crate) fn solid_hit(&self, scene: &Scene, ray: &Ray, skip: PrimitiveId) -> Option<Hit> {
+    pub(crate) fn solid_hit(&self, scene: &Scene, ray: &Ray, skip: SurfaceId) -> Option<Hit> {
         self.hit_unless(scene, ray, skip, |hit| self.alpha(scene, hit, 0.0) < 0.5)
     }
 
@@ -173,10 +160,10 @@ impl Transport {
         &self,
         scene: &Scene,
         ray: &Ray,
-        skip: PrimitiveId,
+        skip: SurfaceId,
         mut is_passed: impl FnMut(&Hit) -> bool,
     ) -> Option<Hit> {
-        let mut hit = scene.geometry.hit_skipping(ray, skip)?;
+        let mut hit = scene.first(ray, skip)?;
         if !self.has_holes || !is_passed(&hit) {
             return Some(hit);
         }
@@ -184,8 +171,8 @@ impl Transport {
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         for _ in 0..MOST_HOLES {
             let beyond = if hit.normal.dot(direction) < 0.0 { -hit.normal } else { hit.normal };
-            let rest = Ray::leaving(hit.point, beyond, direction);
-            hit = scene.geometry.hit_skipping(&rest, hit.primitive)?;
+            let rest = Ray::leaving(hit.point, beyond, direction).timed(ray.time);
+            hit = scene.first(&rest, hit.id())?;
             if !is_passed(&hit) {
                 hit.t = (hit.point - origin).dot(direction) / direction.length_squared();
                 return Some(hit);
@@ -195,14 +182,14 @@ impl Transport {
     }
 
     /// Share of the light that passes along a ray up to `t_max`, the triangle `skip` aside.
-    pub(crate) fn passing(&self, scene: &Scene, ray: &Ray, t_max: f64, skip: PrimitiveId) -> f32 {
+    pub(crate) fn passing(&self, scene: &Scene, ray: &Ray, t_max: f64, skip: SurfaceId) -> f32 {
         if !self.has_holes {
-            return if scene.geometry.is_blocked(ray, t_max, skip) { 0.0 } else { 1.0 };
+            return if scene.blocks(ray, t_max, skip) { 0.0 } else { 1.0 };
         }
         let mut share = 1.0;
         let (mut ray, mut skip, mut rest) = (*ray, skip, t_max);
         for _ in 0..MOST_HOLES {
-            let Some(hit) = scene.geometry.hit_skipping(&ray, skip).filter(|hit| hit.t < rest) else { return share };
+            let Some(hit) = scene.first(&ray, skip).filter(|hit| hit.t < rest) else { return share };
             share *= 1.0 - self.alpha(scene, &hit, 0.0);
             if share <= 0.0 {
                 return 0.0;
@@ -210,8 +197,8 @@ impl Transport {
             let direction = ray.direction.as_dvec3();
             let beyond = if hit.normal.dot(direction) < 0.0 { -hit.normal } else { hit.normal };
             rest -= hit.t;
-            ray = Ray::leaving(hit.point, beyond, direction);
-            skip = hit.primitive;
+            ray = Ray::leaving(hit.point, beyond, direction).timed(ray.time);
+            skip = hit.id();
         }
         0.0
     }

@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::surface::SurfacePoint;
 use super::{Footprint, Stream, Transport};
-use crate::geometry::Geometry;
+use crate::geometry::SurfaceId;
 use crate::{Hit, MAX_RADIANCE, Ray, Scene};
 
 /// Where a shadow ray to a point of a surface ends, so that it does not meet that surface.
@@ -34,7 +34,7 @@ impl Transport {
     /// Radiance along a ray.
     pub(crate) fn radiance(&self, scene: &Scene, ray: &Ray, footprint: Footprint, stream: &mut Stream) -> Vec3 {
         let mut path = Path::new(scene, self, stream, footprint);
-        let first = path.meet(ray, Geometry::NO_PRIMITIVE);
+        let first = path.meet(ray, SurfaceId::NONE);
         path.follow(first, ray.direction.as_dvec3());
         path.counted()
     }
@@ -65,7 +65,7 @@ impl<'a> Path<'a> {
     }
 
     /// The next surface on a ray; of what is partly there, by chance.
-    fn meet(&mut self, ray: &Ray, skip: u32) -> Option<Hit> {
+    fn meet(&mut self, ray: &Ray, skip: SurfaceId) -> Option<Hit> {
         let (scene, transport) = (self.scene, self.transport);
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let (footprint, stream) = (self.footprint, &mut *self.stream);
@@ -109,7 +109,7 @@ impl<'a> Path<'a> {
             self.bounced = (scattered.pdf > 0.0).then_some((at.point, scattered.pdf));
             self.footprint = self.footprint.scattered(at.t, direction.length(), scattered.spread);
             let side = if is_above { point.outward } else { -point.outward };
-            hit = self.meet(&Ray::leaving(at.point, side, next), at.primitive);
+            hit = self.meet(&Ray::leaving(at.point, side, next).timed(at.time), at.id());
             direction = next;
         }
     }
@@ -163,8 +163,8 @@ impl<'a> Path<'a> {
             // A strength of 1 is an irradiance of pi
             let share = point.bsdf.share(o, point.to_local(toward)) * PI * strength;
             if share.max_element() > 0.0 {
-                let ray = scene.shadow_ray(at.point, point.outward, direction);
-                sum += share * self.transport.passing(scene, &ray, t_max, at.primitive);
+                let ray = scene.shadow_ray(at.point, point.outward, direction).timed(at.time);
+                sum += share * self.transport.passing(scene, &ray, t_max, at.id());
             }
         };
         for &(toward, strength) in &scene.suns {
@@ -209,8 +209,8 @@ impl<'a> Path<'a> {
         if share.max_element() <= 0.0 {
             return;
         }
-        let ray = Ray::leaving(at.point, point.outward, way);
-        let passing = self.transport.passing(self.scene, &ray, t_max, at.primitive);
+        let ray = Ray::leaving(at.point, point.outward, way).timed(at.time);
+        let passing = self.transport.passing(self.scene, &ray, t_max, at.id());
         let weight = 1.0 / (pdf + f64::from(point.bsdf.pdf(o, i)));
         self.radiance += self.share * share * (f64::from(passing) * weight) as f32;
     }

@@ -1,11 +1,11 @@
 //! A point of a surface with all that its material and mesh say of it.
 
-use glam::{DVec3, Mat3, Vec2, Vec3, Vec4};
+use glam::{DMat3, DVec3, Mat3, Vec2, Vec3, Vec4};
 
 use super::Transport;
 use super::bsdf::{Bsdf, Glossy};
-use crate::geometry::Geometry;
-use crate::mesh_detail::Corners;
+use crate::geometry::{Geometry, SurfaceId};
+use crate::mesh_detail::{Corners, Patches};
 use crate::{Alpha, Hit, Material, Matter, Scene, TextureMap};
 
 /// A point seen along a ray.
@@ -42,9 +42,24 @@ impl Place {
         if hit.primitive & Geometry::SHAPE != 0 {
             return Self { corners: None, sides: [DVec3::ZERO; 2], weights: [0.0; 2] };
         }
-        let corners = transport.patch(hit.primitive).map(|(patch, triangle)| patch.corners(triangle));
-        let [a, b, c] = scene.geometry.triangle(hit.primitive).corners.map(Vec3::as_dvec3);
-        Self { corners, sides: [b - a, c - a], weights: hit.weights }
+        let still = |geometry: &Geometry, patches: &Patches| {
+            let [a, b, c] = geometry.triangle(hit.primitive).corners.map(Vec3::as_dvec3);
+            let corners = patches.corners(hit.primitive);
+            Self { corners, sides: [b - a, c - a], weights: hit.weights }
+        };
+        match scene.things() {
+            Some(things) if hit.mover != SurfaceId::STILL => {
+                let solid = &things.movers[hit.mover as usize].solid;
+                still(&solid.geometry, &solid.patches).mapped(&things.place(hit.mover, hit.time).world_from_own.matrix3)
+            }
+            _ => still(&scene.geometry, &transport.patches),
+        }
+    }
+
+    /// The same in a space that a map leads to.
+    fn mapped(self, linear: &DMat3) -> Self {
+        let corners = self.corners.map(|corners| corners.mapped(linear));
+        Self { corners, sides: self.sides.map(|side| *linear * side), ..self }
     }
 
     /// The value of a map, seen with a footprint of this width; `None` where the mesh has no coordinates for it.
@@ -130,7 +145,7 @@ impl Transport {
         let (material, finish): (&Material, _) =
             (&scene.materials[hit.material as usize], &self.finishes[hit.material as usize]);
         let place = Place::new(scene, self, hit);
-        let color = material.pigment.at(hit.point) * place.tint(finish.color_map.as_ref(), width).truncate();
+        let color = material.pigment.at(scene.resting(hit)) * place.tint(finish.color_map.as_ref(), width).truncate();
 
         // Turn the normals to the side that is seen, and keep a bent one only if it is seen too
         let is_inside = hit.normal.dot(direction) > 0.0;
