@@ -24,6 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod absorption;
 mod accumulation;
 mod body;
 mod bounds;
@@ -59,6 +60,7 @@ mod texture;
 mod transport;
 mod triangle;
 
+pub use absorption::Absorption;
 pub use accumulation::Accumulation;
 pub use body::Body;
 pub use error::{RenderError, SceneError};

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use crate::geometry::Geometry;
 use crate::mesh_detail::{Patch, Patches};
 use crate::stage::{Mover, Solid, Stage};
-use crate::transport::{Parts, PointLight, Transport};
+use crate::transport::{Disc, Parts, PointLight, Transport};
 use crate::{
     Alpha, Body, Environment, Exposure, Finish, Light, MAX_RADIANCE, Material, Matter, MeshDetail, Motion, Scene,
     SceneError, Shape,
@@ -190,11 +190,16 @@ impl SceneBuilder {
         let (bounces, reasons) = self.needs();
         let double_sided = self.finishes.iter().map(|finish| finish.is_double_sided).collect();
         let mut ambient = Vec3::ZERO;
-        let (mut suns, mut points) = (Vec::new(), Vec::new());
+        let (mut suns, mut points, mut discs) = (Vec::new(), Vec::new(), Vec::new());
         for light in self.lights {
             match light {
                 Light::Ambient { strength } => ambient += strength,
                 Light::Sun { toward, strength } => suns.push((toward, strength)),
+                Light::Disc { toward, strength, radius } => {
+                    let disc = Disc::new(toward, strength, radius);
+                    not_too_bright("radiance of a sun of that size", disc.radiance.max_element())?;
+                    discs.push(disc);
+                }
                 Light::Point { at, strength, cone } => points.push(PointLight { at, strength, cone }),
             }
         }
@@ -205,7 +210,7 @@ impl SceneBuilder {
             let (geometry, triangle_of) = Geometry::with_indices(triangles, shapes)?;
             let (finishes, patches, environment) =
                 (self.finishes, Patches::new(patches, triangle_of), self.environment);
-            let parts = Parts { finishes, patches, points, environment, bounces, reasons };
+            let parts = Parts { finishes, patches, points, discs, environment, bounces, reasons };
             let emission: Vec<Vec3> = self.materials.iter().map(|material| material.emission).collect();
             let transport = Transport::new(parts, &geometry, &emission);
             (geometry, Some(Arc::new(transport)))
@@ -286,6 +291,9 @@ impl SceneBuilder {
         if self.lights.iter().any(|light| matches!(light, Light::Point { .. })) {
             reasons.push("point light".to_owned());
         }
+        if self.lights.iter().any(|light| matches!(light, Light::Disc { .. })) {
+            reasons.push("sun of a size".to_owned());
+        }
         match self.moving.len() {
             0 => {}
             1 => reasons.push("a moving thing".to_owned()),
@@ -311,7 +319,10 @@ fn check_finish(finish: &Finish) -> Result<(), SceneError> {
             within("roughness", roughness, [0.0, 1.0], "0 to 1")?;
             within("refractive index", ior, [1.0, 4.0], "1 to 4")?;
         }
-        Matter::Glass { ior, .. } => within("refractive index", ior, [1.0, 4.0], "1 to 4")?,
+        Matter::Glass { ior, roughness, .. } => {
+            within("refractive index", ior, [1.0, 4.0], "1 to 4")?;
+            within("roughness", roughness, [0.0, 1.0], "0 to 1")?;
+        }
     }
     within("opacity", finish.opacity, [0.0, 1.0], "0 to 1")
 }

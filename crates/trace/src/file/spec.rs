@@ -66,6 +66,10 @@ pub(crate) struct GlassSpec {
     pub(crate) ior: Option<f32>,
     #[serde(default)]
     pub(crate) thin: bool,
+    #[serde(default)]
+    pub(crate) roughness: f32,
+    pub(crate) attenuation_color: Option<Triple>,
+    pub(crate) attenuation_distance: Option<f32>,
 }
 
 /// Light from all directions, out of a picture.
@@ -126,7 +130,7 @@ pub(crate) struct MeshSpec {
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub(crate) enum LightSpec {
     Ambient { strength: Triple },
-    Sun { toward: [f64; 3], strength: Triple },
+    Sun { toward: [f64; 3], strength: Triple, size_deg: Option<f64> },
     Point { at: [f64; 3], strength: Triple },
     Spot { at: [f64; 3], look_at: [f64; 3], strength: Triple, inner_deg: f64, outer_deg: f64 },
 }

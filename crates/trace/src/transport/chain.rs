@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2};
 
-use super::bsdf::Bsdf;
+use super::bsdf::{Bsdf, RoughGlass};
 use super::{Footprint, fresnel};
 use crate::geometry::SurfaceId;
 use crate::{Hit, Ray, Scene};
@@ -33,7 +33,10 @@ fn shows_through(bsdf: &Bsdf<'_>, cosine: f32) -> Option<bool> {
     match bsdf {
         Bsdf::Matte(_) => None,
         Bsdf::Glossy(glossy) => (glossy.metallic > 0.5 && glossy.roughness <= MIRROR).then_some(false),
-        Bsdf::Glass { eta, .. } => Some(fresnel::dielectric(cosine, *eta) < 0.5),
+        Bsdf::RoughGlass(glass) if glass.roughness > MIRROR => None,
+        Bsdf::RoughGlass(RoughGlass { eta, .. }) | Bsdf::Glass { eta, .. } => {
+            Some(fresnel::dielectric(cosine, *eta) < 0.5)
+        }
     }
 }
 
@@ -47,8 +50,12 @@ fn bent(scene: &Scene, hit: &Hit, direction: DVec3, choice: Option<bool>) -> Opt
         None => shows_through(&point.bsdf, o.z)?,
     };
     let local = if through {
-        // A lobe of 1 never reflects what Fresnel lets through
-        point.bsdf.sample(o, 1.0, Vec2::ZERO)?.direction
+        // A lobe of 1 never reflects what Fresnel lets through; where glass is a little rough its middle counts
+        let smooth = match point.bsdf {
+            Bsdf::RoughGlass(RoughGlass { tint, eta, thin, .. }) => Bsdf::Glass { tint, eta, thin },
+            bsdf => bsdf,
+        };
+        smooth.sample(o, 1.0, Vec2::ZERO)?.direction
     } else {
         glam::Vec3::new(-o.x, -o.y, o.z)
     };

@@ -6,6 +6,7 @@
 mod albedo;
 mod bsdf;
 mod chain;
+mod disc;
 mod emitters;
 mod environment;
 mod footprint;
@@ -15,6 +16,7 @@ mod microfacet;
 mod path;
 mod stream;
 mod surface;
+mod weighing;
 
 #[cfg(test)]
 mod tests;
@@ -27,10 +29,13 @@ use crate::geometry::{Geometry, SurfaceId};
 use crate::light::Cone;
 use crate::mesh_detail::Patches;
 use crate::{Alpha, Finish, Hit, Ray, Scene};
-use albedo::Albedo;
+use albedo::{Albedo, PERFECT};
+use bsdf::{Bsdf, RoughGlass, SMOOTH};
 use emitters::Emitters;
+use weighing::Weighing;
 
 pub(crate) use chain::{Bent, Chain};
+pub(crate) use disc::Disc;
 pub use environment::Environment;
 pub(crate) use footprint::Footprint;
 pub(crate) use gather::{gather, pixel_size};
@@ -38,6 +43,13 @@ pub(crate) use stream::Stream;
 
 /// Surfaces with holes that a ray passes before it is given up.
 const MOST_HOLES: usize = 256;
+
+/// Whether glass is rough: hardly bent light is hardly scattered, and its density could not be told in single precision.
+fn is_rough(ior: f32, roughness: f32) -> bool {
+    /// Refractive index up to which glass is as good as air.
+    const AIR: f32 = 1.02;
+    roughness >= SMOOTH && ior >= AIR
+}
 
 /// A light at a point.
 #[derive(Debug, Clone, Copy)]
@@ -55,6 +67,7 @@ pub(crate) struct Transport {
     /// Of what stands still.
     patches: Patches,
     pub(crate) points: Vec<PointLight>,
+    pub(crate) discs: Vec<Disc>,
     emitters: Emitters,
     environment: Option<Environment>,
     /// How often light goes from surface to surface.
@@ -62,9 +75,14 @@ pub(crate) struct Transport {
     /// Why it is needed, in words.
     reasons: Vec<String>,
     has_holes: bool,
+    /// Whether anything is a polished pane.
+    has_panes: bool,
     /// Coats by material; an index into the other.
     coat_of: Vec<usize>,
     coats: Vec<Arc<Albedo>>,
+    /// What rough glass keeps, from outside and from inside, by material.
+    panes: Vec<Option<Arc<[Albedo; 2]>>>,
+    weighing: Weighing,
 }
 
 /// What a builder knows of it.
@@ -72,6 +90,7 @@ pub(crate) struct Parts {
     pub(crate) finishes: Vec<Finish>,
     pub(crate) patches: Patches,
     pub(crate) points: Vec<PointLight>,
+    pub(crate) discs: Vec<Disc>,
     pub(crate) environment: Option<Environment>,
     pub(crate) bounces: u32,
     pub(crate) reasons: Vec<String>,
@@ -94,6 +113,22 @@ impl Transport {
             }
         }
 
+        let mut known: Vec<(f32, Arc<[Albedo; 2]>)> = Vec::new();
+        let panes = parts.finishes.iter().map(|finish| match finish.matter {
+            crate::Matter::Glass { ior, thin: false, roughness, .. }
+                if parts.bounces > 0 && is_rough(ior, roughness) =>
+            {
+                if let Some((_, pane)) = known.iter().find(|(other, _)| *other == ior) {
+                    return Some(Arc::clone(pane));
+                }
+                let pane = Arc::new([RoughGlass::kept(ior), RoughGlass::kept(1.0 / ior)]);
+                known.push((ior, Arc::clone(&pane)));
+                Some(pane)
+            }
+            _ => None,
+        });
+        let panes = panes.collect();
+
         // Ask surfaces for light only if it goes from one to another
         let emits = |material: u32| {
             let finish = &parts.finishes[material as usize];
@@ -109,11 +144,15 @@ impl Transport {
         } else {
             Emitters::default()
         };
+        let is_pane = |finish: &Finish| matches!(finish.matter, crate::Matter::Glass { thin: true, .. });
+        let has_panes = parts.bounces > 0 && parts.finishes.iter().any(is_pane);
         let has_holes = parts.finishes.iter().any(|finish| finish.alpha != Alpha::Opaque);
         Self {
             finishes: parts.finishes,
             patches: parts.patches,
             points: parts.points,
+            discs: parts.discs,
+            has_panes,
             emitters,
             environment: parts.environment,
             bounces: parts.bounces,
@@ -121,7 +160,23 @@ impl Transport {
             has_holes,
             coat_of,
             coats,
+            panes,
+            weighing: Weighing::default(),
         }
+    }
+
+    /// Polished glass, or rough glass where it is rough enough to be told from it.
+    fn glass(&self, tint: Vec3, (ior, thin, roughness): (f32, bool, f32), is_inside: bool, material: u32) -> Bsdf<'_> {
+        let eta = if is_inside && !thin { 1.0 / ior } else { ior };
+        let kept = match &self.panes[material as usize] {
+            Some(pane) => &pane[usize::from(is_inside)],
+            None if thin => &*PERFECT,
+            None => return Bsdf::Glass { tint, eta, thin },
+        };
+        if !is_rough(ior, roughness) {
+            return Bsdf::Glass { tint, eta, thin };
+        }
+        Bsdf::RoughGlass(RoughGlass { tint, eta, thin, roughness, kept })
     }
 
     /// How often light goes from surface to surface.
@@ -179,6 +234,30 @@ impl Transport {
             }
         }
         None
+    }
+
+    /// The same of light that comes from one point or direction: straight through polished panes too, through which no path would
+    /// ever meet it.
+    pub(crate) fn shining(&self, scene: &Scene, ray: &Ray, t_max: f64, skip: SurfaceId) -> Vec3 {
+        if !self.has_panes {
+            return Vec3::splat(self.passing(scene, ray, t_max, skip));
+        }
+        let mut share = Vec3::ONE;
+        let (mut ray, mut skip, mut rest) = (*ray, skip, t_max);
+        let direction = ray.direction.as_dvec3();
+        for _ in 0..MOST_HOLES {
+            let Some(hit) = scene.first(&ray, skip).filter(|hit| hit.t < rest) else { return share };
+            let alpha = self.alpha(scene, &hit, 0.0);
+            share *= Vec3::splat(1.0 - alpha) + alpha * self.through_pane(scene, &hit, direction);
+            if share.max_element() <= 0.0 {
+                return Vec3::ZERO;
+            }
+            let beyond = if hit.normal.dot(direction) < 0.0 { -hit.normal } else { hit.normal };
+            rest -= hit.t;
+            ray = Ray::leaving(hit.point, beyond, direction).timed(ray.time);
+            skip = hit.id();
+        }
+        Vec3::ZERO
     }
 
     /// Share of the light that passes along a ray up to `t_max`, the triangle `skip` aside.

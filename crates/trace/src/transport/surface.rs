@@ -4,9 +4,10 @@ use glam::{DMat3, DVec3, Mat3, Vec2, Vec3, Vec4};
 
 use super::Transport;
 use super::bsdf::{Bsdf, Glossy};
+use super::fresnel;
 use crate::geometry::{Geometry, SurfaceId};
 use crate::mesh_detail::{Corners, Patches};
-use crate::{Alpha, Hit, Material, Matter, Scene, TextureMap};
+use crate::{Absorption, Alpha, Hit, Material, Matter, Scene, TextureMap};
 
 /// A point seen along a ray.
 #[derive(Debug, Clone)]
@@ -15,6 +16,8 @@ pub(super) struct SurfacePoint<'a> {
     pub(super) outward: DVec3,
     pub(super) bsdf: Bsdf<'a>,
     pub(super) emission: Vec3,
+    /// Of solid glass: whether it is seen from inside, and what it takes away there.
+    pub(super) glass: Option<(bool, Option<Absorption>)>,
     /// World from the frame of the shading normal, that is z.
     frame: Mat3,
 }
@@ -140,6 +143,18 @@ impl Transport {
         }
     }
 
+    /// What of light that comes along a direction goes straight through a polished pane; nothing through all else.
+    pub(super) fn through_pane(&self, scene: &Scene, hit: &Hit, direction: DVec3) -> Vec3 {
+        let point = self.surface(scene, hit, direction, 0.0);
+        match point.bsdf {
+            Bsdf::Glass { tint, eta, thin: true } => {
+                let cosine = point.to_local(-direction).z.clamp(0.0, 1.0);
+                tint * (1.0 - fresnel::sheet(cosine, eta))
+            }
+            _ => Vec3::ZERO,
+        }
+    }
+
     /// A point seen along `direction` with a footprint of a width.
     pub(super) fn surface<'a>(&'a self, scene: &Scene, hit: &Hit, direction: DVec3, width: f64) -> SurfacePoint<'a> {
         let (material, finish): (&Material, _) =
@@ -170,12 +185,17 @@ impl Transport {
                     coat: self.coat(hit.material),
                 })
             }
-            Matter::Glass { ior, thin } if self.bounces > 0 => {
-                let eta = if is_inside && !thin { 1.0 / ior } else { ior };
-                Bsdf::Glass { tint: color, eta, thin }
+            Matter::Glass { ior, thin, roughness, .. } if self.bounces > 0 => {
+                let texel = finish.surface_map.as_ref().and_then(|map| place.map(map, width)).unwrap_or(Vec4::ONE);
+                let roughness = (roughness * texel.y).clamp(0.0, 1.0);
+                self.glass(color, (ior, thin, roughness), is_inside, hit.material)
             }
             Matter::Matte | Matter::Glossy { .. } | Matter::Glass { .. } => Bsdf::Matte(color),
         };
-        SurfacePoint { outward, bsdf, emission: self.emission(scene, hit, width), frame }
+        let glass = match finish.matter {
+            Matter::Glass { thin: false, absorption, .. } if self.bounces > 0 => Some((is_inside, absorption)),
+            _ => None,
+        };
+        SurfacePoint { outward, bsdf, emission: self.emission(scene, hit, width), glass, frame }
     }
 }
