@@ -118,6 +118,8 @@ fn subject(options: &Options) -> anyhow::Result<Subject> {
     }
     let file = SceneFile::open(&options.input)?;
     let shot = file.shot(options.shot.as_deref())?;
+    // No method here knows motion blur: all see the middle of the exposure
+    let scene = file.scene_of(shot).stopped();
     let camera = match options.size {
         Some(Size { width, height }) => Camera { film: shot.camera.film.resized(width, height)?, ..shot.camera },
         None => shot.camera,
@@ -129,7 +131,7 @@ fn subject(options: &Options) -> anyhow::Result<Subject> {
     let seed = options.seed.wrapping_add(1);
     let settings = LayerSettings { color_samples: options.rgbd_spp, seed, ..LayerSettings::default() };
     let started = Instant::now();
-    let layered = trace::layers(file.scene(), &camera, &settings, &Bar::new("trace colour and depth"))?;
+    let layered = trace::layers(&scene, &camera, &settings, &Bar::new("trace colour and depth"))?;
     let frame_seconds = Some(started.elapsed().as_secs_f64());
     say_layers(&layered);
     Ok(Subject { camera, frame: layered.frame, scene: Some(file), frame_seconds })

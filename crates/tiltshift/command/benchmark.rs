@@ -139,7 +139,9 @@ fn made(case: &Case, options: &Options) -> anyhow::Result<(Truth, Frame)> {
     let scene = case.scene_file(&options.benchmark);
     let file = SceneFile::open(&scene)?;
     let [width, height] = case.size;
-    let camera = file.shot(Some(&case.shot))?.camera;
+    // No method here knows motion blur: all see the middle of the exposure
+    let shot = file.shot(Some(&case.shot))?;
+    let (scene, camera) = (&file.scene_of(shot).stopped(), shot.camera);
     let camera = Camera { film: camera.film.resized(width, height)?, ..camera };
     let display = PixelWindow::of_size(width, height);
     make_folder(&folder)?;
@@ -150,7 +152,7 @@ fn made(case: &Case, options: &Options) -> anyhow::Result<(Truth, Frame)> {
         Some(truth) => truth,
         None => {
             let bar = Bar::new(format!("{}: trace the truth", case.name));
-            let truth = trace::truth(file.scene(), &camera, display, case.samples, 1, &bar)?;
+            let truth = trace::truth(scene, &camera, display, case.samples, 1, &bar)?;
             write_truth(&truth_file, &truth, &WriteOptions::default())?;
             truth
         }
@@ -161,7 +163,7 @@ fn made(case: &Case, options: &Options) -> anyhow::Result<(Truth, Frame)> {
         None => {
             let bar = Bar::new(format!("{}: trace colour and depth", case.name));
             let settings = LayerSettings { seed: 2, ..LayerSettings::default() };
-            let frame = trace::layers(file.scene(), &camera, &settings, &bar)?.frame;
+            let frame = trace::layers(scene, &camera, &settings, &bar)?.frame;
             write_frame(&frame_file, &frame, &WriteOptions::default())?;
             frame
         }

@@ -67,14 +67,18 @@ pub(crate) fn run(options: &Options) -> Outcome {
         options.shot.iter().map(|name| Some(name.as_str())).collect()
     };
     // Find what is wrong with any of them before hours of work
-    let views = shots.iter().map(|&shot| Ok((shot, options.camera(file.shot(shot)?.camera)?)));
+    let views = shots.iter().map(|&name| {
+        // No method here knows motion blur: all see the middle of the exposure
+        let shot = file.shot(name)?;
+        Ok((name, options.camera(shot.camera)?, file.scene_of(shot).stopped()))
+    });
     let views = views.collect::<anyhow::Result<Vec<_>>>()?;
     make_folder(&options.out)?;
 
     let mut csv = csv_heading();
-    for (shot, camera) in views {
+    for (shot, camera, scene) in views {
         let subject = subject_name(&options.scene, shot);
-        let taken = take(options, file.scene(), &camera, &subject)?;
+        let taken = take(options, &scene, &camera, &subject)?;
         for of_filter in &taken {
             csv.push_str(&csv_row(&subject, of_filter));
         }

@@ -100,10 +100,12 @@ impl FromStr for Candidate {
 pub(crate) fn run(options: &Options) -> Outcome {
     let file = SceneFile::open(&options.scene)?;
     let shot = file.shot(options.shot.as_deref())?;
+    // No method here knows motion blur: all see the middle of the exposure
+    let scene = &file.scene_of(shot).stopped();
     let camera = options.quality.camera(shot)?;
     make_folder(&options.out)?;
     if let Some(growing) = options.series {
-        return series::run(options, &file, &camera, growing);
+        return series::run(options, scene, &camera, growing);
     }
 
     // Read other programs' pictures first: what is wrong with them is wrong at once
@@ -115,23 +117,17 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let candidates = candidates.collect::<Result<Vec<_>, Failure>>()?;
 
     // Trace the truth, and what the filter gets
-    let truth = options.quality.truth(file.scene(), &camera)?;
+    let truth = options.quality.truth(scene, &camera)?;
     write_truth(&options.out.join("truth.exr"), &truth, &WriteOptions::default())?;
     let started = Instant::now();
-    let layered = options.quality.layers(file.scene(), &camera)?;
+    let layered = options.quality.layers(scene, &camera)?;
     let rgbd_seconds = started.elapsed().as_secs_f64();
     say_layers(&layered);
     let frame = &layered.frame;
 
     // Run all methods
     let rungs = rungs(options, frame.layers().len());
-    let subject = Subject {
-        scene: file.scene(),
-        camera: &camera,
-        frame,
-        seed: options.quality.other_seed(),
-        folder: &options.out,
-    };
+    let subject = Subject { scene, camera: &camera, frame, seed: options.quality.other_seed(), folder: &options.out };
     let bar = Bar::new("run all methods");
     let measured = measure(&subject, &rungs, options.runs.into(), &bar)?;
     drop(bar);

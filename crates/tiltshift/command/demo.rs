@@ -90,6 +90,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let file = options.scene.open()?;
     let name = options.shot.as_deref().unwrap_or(options.scene.default_shot());
     let shot = file.shot(Some(name))?;
+    // No method here knows motion blur: all see the middle of the exposure
+    let scene = &file.scene_of(shot).stopped();
     let camera = options.quality.camera(shot)?;
     say(format_args!("{} / {name}: {}", file.description(), shot.description));
     say_scene(&file);
@@ -97,10 +99,10 @@ pub(crate) fn run(options: &Options) -> Outcome {
 
     // Trace the truth and what the filter gets
     let started = Instant::now();
-    let truth = options.quality.truth(file.scene(), &camera)?;
+    let truth = options.quality.truth(scene, &camera)?;
     let truth_seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let layered = options.quality.layers(file.scene(), &camera)?;
+    let layered = options.quality.layers(scene, &camera)?;
     let frame_seconds = started.elapsed().as_secs_f64();
     say_layers(&layered);
     let frame = &layered.frame;
@@ -124,7 +126,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     // Take the cheapest that is expected to do
     let tolerance = options.tolerance;
     let seed = options.quality.other_seed();
-    let evidence = Evidence { scene: Some(file.scene()), camera: &camera, frame, seed };
+    let evidence = Evidence { scene: Some(scene), camera: &camera, frame, seed };
     let all = forecasts(&evidence, tolerance.needs_flip(), &Bar::new("ask for advice"))?;
     let choice = choose(&all, &tolerance, None).context("no method could be tried")?;
     let (rung, expected) = (choice.forecast.rung, tolerance.text_of(&choice.forecast.error));
@@ -160,7 +162,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
         unfiltered: Some(entry("unfiltered", "the pinhole picture".to_owned(), &pinhole)?),
         candidates: candidates.collect::<Result<Vec<_>, _>>()?,
         exposure_stops: 0.0,
-        parameters: parameters(shot, file.scene(), &options.quality, [truth_seconds, frame_seconds])?,
+        parameters: parameters(shot, scene, &options.quality, [truth_seconds, frame_seconds])?,
         commands: vec![command_line()],
     };
     print_table(&report);

@@ -71,6 +71,8 @@ pub(crate) fn tolerance(text: &str) -> anyhow::Result<f32> {
 pub(crate) fn run(options: &Options) -> Outcome {
     let file = SceneFile::open(&options.scene)?;
     let shot = file.shot(options.shot.as_deref())?;
+    // No method here knows motion blur: all see the middle of the exposure
+    let scene = &file.scene_of(shot).stopped();
     expect_exr(&options.output)?;
     let inputs: Vec<_> =
         [Some(&options.scene), options.rgbd.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
@@ -102,7 +104,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
             };
             let seed = options.seed.wrapping_add(1);
             let settings = LayerSettings { color_samples: options.rgbd_spp, seed, ..LayerSettings::default() };
-            let layered = trace::layers(file.scene(), &camera, &settings, &Bar::new("trace colour and depth"))?;
+            let layered = trace::layers(scene, &camera, &settings, &Bar::new("trace colour and depth"))?;
             say_layers(&layered);
             (camera, layered.frame)
         }
@@ -113,7 +115,7 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let settings =
         HybridSettings { tolerance: options.tolerance, samples: options.samples, layers, seed: options.seed };
     let started = Instant::now();
-    let hybrid = study::hybrid(file.scene(), &camera, &frame, &settings, &Bar::new("filter and trace"))?;
+    let hybrid = study::hybrid(scene, &camera, &frame, &settings, &Bar::new("filter and trace"))?;
     let seconds = started.elapsed().as_secs_f64();
     let (share, rays) = (100.0 * hybrid.traced_share(), hybrid.mean_samples);
     say(format_args!(

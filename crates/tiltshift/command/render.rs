@@ -19,7 +19,7 @@ use crate::console::{print, say};
 use crate::failure::Outcome;
 use crate::files::{Packing, expect_exr, make_folder_of, notes, numbered, refuse_overwriting, write_options};
 use crate::lens_options::{FilmOptions, LensOptions};
-use crate::values::{Frames, stops};
+use crate::values::{Frames, not_negative, stops};
 
 /// Trace a scene through a tilted lens.
 ///
@@ -41,6 +41,10 @@ pub(crate) struct Options {
     /// looks matte).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1024))]
     bounces: Option<u32>,
+    /// How many frames the shutter is open, about each frame, instead of what the shot says (0: no motion blur; 0.5 is a shutter
+    /// of 180 degrees). It takes a scene in which something moves.
+    #[arg(long, value_name = "FRAMES", value_parser = not_negative)]
+    shutter: Option<f64>,
     /// List the shots of the scene and stop.
     #[arg(long)]
     list: bool,
@@ -89,7 +93,8 @@ pub(crate) fn run(options: &Options) -> Outcome {
     if options.film.metres_per_unit.is_some() && !options.is_model() {
         return Err(anyhow!("--metres-per-unit is for models; a scene file says it itself").into());
     }
-    let wishes = Wishes { bounces: options.bounces, metres_per_unit: options.film.metres_per_unit };
+    let wishes =
+        Wishes { bounces: options.bounces, metres_per_unit: options.film.metres_per_unit, shutter: options.shutter };
     let file = SceneFile::open_with(&options.scene, &wishes)?;
     if options.list {
         list(&file);
@@ -105,12 +110,13 @@ pub(crate) fn run(options: &Options) -> Outcome {
         }
         if let Some(frames) = moving {
             let (first, last) = (frames.start(), frames.end());
-            say(format_args!("the shot moves; this is frame {first} (--frames {first}..{last} takes them all)"));
+            let now = file.shot(name)?.exposure.middle();
+            say(format_args!("the shot moves; this is frame {now} (--frames {first}..{last} takes them all)"));
         }
         return take(options, &file, file.shot(name)?, &options.outputs(None));
     };
     if moving.is_none() {
-        return Err(anyhow!("the shot {name:?} does not move: it has no keys").into());
+        return Err(anyhow!("the shot {name:?} does not move: neither it nor any thing has keys").into());
     }
     for frame in first..=last {
         let outputs = options.outputs(Some(frame));
@@ -160,8 +166,11 @@ impl Options {
 
 /// Renders one picture.
 fn take(options: &Options, file: &SceneFile, shot: &Shot, outputs: &Outputs) -> Outcome {
-    let seen = view::seen(shot, file.scene(), &options.film, &options.lens, options.quality.size, options.is_model())?;
+    let seen =
+        view::seen(shot, &file.scene_of(shot), &options.film, &options.lens, options.quality.size, options.is_model())?;
     let shot = &seen;
+    let scene = &file.scene_of(shot);
+    say_motion(scene);
     let camera = options.quality.camera(shot)?;
     expect_exr(&outputs.truth)?;
     expect_exr(&outputs.rgbd)?;
@@ -175,14 +184,14 @@ fn take(options: &Options, file: &SceneFile, shot: &Shot, outputs: &Outputs) -> 
     for path in paths {
         make_folder_of(path)?;
     }
-    let lens = lens_in_metres(shot, file.scene())?;
+    let lens = lens_in_metres(shot, scene)?;
     let sensor = lens.map(|lens| sensor_mm(&camera, &lens));
     let from = [("scene", options.scene.display().to_string()), ("shot", options.shot.clone().unwrap_or_default())];
     let write = write_options(options.compression, lens.as_ref(), sensor, notes(from));
 
     // Trace, and write each file as soon as it can be
     let place = options.long.place_of_part(&outputs.truth);
-    let job = options.long.run(file, &camera, &options.quality, &place, &write)?;
+    let job = options.long.run((scene, file.fingerprint_of(shot)), &camera, &options.quality, &place, &write)?;
     options.quality.say_noise(job.sums());
     if options.long.is_part() {
         return Ok(());
@@ -195,14 +204,14 @@ fn take(options: &Options, file: &SceneFile, shot: &Shot, outputs: &Outputs) -> 
         write_png(png, &truth.picture(), options.exposure)?;
         say(format_args!("wrote {}", png.display()));
     }
-    let layered = options.quality.layers(file.scene(), &camera)?;
+    let layered = options.quality.layers(scene, &camera)?;
     say_layers(&layered);
     write_frame(&outputs.rgbd, &layered.frame, &write)?;
     say(format_args!("wrote {}", outputs.rgbd.display()));
     if let Some(path) = &outputs.optical_depth {
         let frame = &layered.frame;
         let first = &frame.layers()[0];
-        let optical = trace::optical_depth(file.scene(), &camera, frame.data());
+        let optical = trace::optical_depth(scene, &camera, frame.data());
         let planes = [("Z", &first.depth), ("optical.Z", &optical)];
         write_picture_with(path, &first.color, &planes, &Head::from(frame), &write)?;
         say(format_args!("wrote {}", path.display()));
@@ -227,6 +236,26 @@ pub(crate) fn say_scene(file: &SceneFile) {
         0 => say(format_args!("rays traced one by one, without bounces: {needs}")),
         1 => say(format_args!("path tracing to 1 bounce: {needs}")),
         bounces => say(format_args!("path tracing to {bounces} bounces: {needs}")),
+    }
+}
+
+/// Says what motion blurs a picture.
+fn say_motion(scene: &Scene) {
+    let things = match scene.moving_things() {
+        0 => None,
+        1 => Some("a thing that moves".to_owned()),
+        count => Some(format!("{count} things that move")),
+    };
+    let camera = scene.exposure().moves_camera().then(|| "a camera that moves".to_owned());
+    let what: Vec<_> = [camera, things].into_iter().flatten().collect();
+    let [open, close] = scene.exposure().times();
+    if !what.is_empty() {
+        let what = what.join(" and ");
+        say(format_args!(
+            "motion blur: time is sampled from frame {open} to {close} for {what}; layers show its middle"
+        ));
+    } else if close > open {
+        say(format_args!("no motion blur: nothing moves from frame {open} to {close}"));
     }
 }
 

@@ -71,7 +71,9 @@ pub(crate) fn run(options: &Options) -> Outcome {
     let file = SceneFile::open(&options.scene)?;
     let shot = file.shot(options.shot.as_deref())?;
     let Size { width, height } = options.size;
-    let stage = Stage::new(file.scene(), shot, width, height)?;
+    // No method here knows motion blur: all see the middle of the exposure
+    let scene = file.scene_of(shot).stopped();
+    let stage = Stage::new(&scene, shot, width, height)?;
     make_folder(&options.out)?;
     let quality = Quality { truth_samples: options.truth_samples, frame_samples: options.rgbd_spp, seed: options.seed };
     let rungs = rungs(quality.seed.wrapping_add(2));

@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let window = rgbd::PixelWindow::of_size(film.width(), film.height());
     let start = std::time::Instant::now();
     let spp: u32 = args[3].parse()?;
-    let truth = trace::truth(file.scene(), &shot.camera, window, spp, 1, &rgbd::Silent)?;
+    let truth = trace::truth(&file.scene_of(shot), &shot.camera, window, spp, 1, &rgbd::Silent)?;
     let seconds = start.elapsed().as_secs_f64();
     let rate = window.area() as f64 * f64::from(spp) / seconds * 1e-6;
     eprintln!("{seconds:.2} s, {rate:.2} M samples/s, noise {:.5}", truth.noise_rmse(window));

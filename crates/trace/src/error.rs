@@ -30,6 +30,9 @@ pub enum SceneError {
         /// Number of vertices.
         count: usize,
     },
+    /// Something without an end shall move.
+    #[error("an endless plane cannot move; give it a size")]
+    EndlessMover,
     /// More things than fit.
     #[error("{0} primitives are more than the {max} that fit", max = crate::geometry::Geometry::MOST)]
     TooMany(usize),

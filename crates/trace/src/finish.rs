@@ -1,6 +1,6 @@
 //! What a surface is made of, where a diffuse colour does not say it all.
 
-use crate::TextureMap;
+use crate::{Absorption, TextureMap};
 
 /// How light is reflected.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -18,12 +18,16 @@ pub enum Matter {
         /// Refractive index of the coat, 1 to 4.
         ior: f32,
     },
-    /// Clear, smooth glass, whose colour tints what goes through it.
+    /// Clear glass, whose colour tints what goes through its surface.
     Glass {
         /// Refractive index, 1 to 4.
         ior: f32,
         /// A sheet without thickness: light goes straight through it.
         thin: bool,
+        /// Perceived roughness of its surface, 0 (polished) to 1; its square is the alpha of GGX.
+        roughness: f32,
+        /// What it takes away inside, if it is not a sheet.
+        absorption: Option<Absorption>,
     },
 }
 
@@ -63,6 +67,14 @@ pub struct Finish {
     /// Whether its back is a surface like its front: a leaf, a curtain. Hidden layers hold such backs too. (Light makes no
     /// difference between the two of any surface.)
     pub is_double_sided: bool,
+}
+
+impl Matter {
+    /// Polished glass that absorbs nothing.
+    #[must_use]
+    pub fn glass(ior: f32, thin: bool) -> Self {
+        Self::Glass { ior, thin, roughness: 0.0, absorption: None }
+    }
 }
 
 impl Default for Finish {

@@ -24,10 +24,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod absorption;
 mod accumulation;
+mod body;
 mod bounds;
 mod bvh;
+mod curve;
 mod error;
+mod exposure;
 mod file;
 mod finish;
 mod geometry;
@@ -39,6 +43,7 @@ mod levels;
 mod light;
 mod material;
 mod mesh_detail;
+mod motion;
 mod packet;
 mod part_file;
 mod pixels;
@@ -50,12 +55,16 @@ mod scene_builder;
 mod shade;
 mod shape;
 mod spread;
+mod stage;
 mod texture;
 mod transport;
 mod triangle;
 
+pub use absorption::Absorption;
 pub use accumulation::Accumulation;
+pub use body::Body;
 pub use error::{RenderError, SceneError};
+pub use exposure::Exposure;
 pub use file::{FileError, SceneFile, Shot, Wishes};
 pub use finish::{Alpha, Finish, Matter};
 pub use geometry::Hit;
@@ -64,13 +73,14 @@ pub use layers::{LayerSettings, LayeredFrame, Margin, layers, optical_depth};
 pub use light::{Cone, Light};
 pub use material::{Material, Pigment};
 pub use mesh_detail::MeshDetail;
+pub use motion::{Motion, MoveKey, Moves};
 pub use part_file::{Part, PartError};
 pub use pixels::Pixels;
 pub use ray::Ray;
 pub use render::{Wanted, render, truth, truth_to_noise};
 pub use sampler::MAX_SAMPLES;
 pub use scene::{MAX_RADIANCE, Scene};
-pub use scene_builder::{MaterialId, SceneBuilder};
+pub use scene_builder::{BodyId, MaterialId, SceneBuilder};
 pub use shape::Shape;
 pub use texture::{Encoding, Texture, TextureError, TextureMap, Wrap};
 pub use transport::Environment;

@@ -19,6 +19,16 @@ pub enum Light {
         /// Strength per channel.
         strength: Vec3,
     },
+    /// A sun of a size: a disc infinitely far away that is as bright as that, with soft shadows. It is seen, in mirrors and through
+    /// glass too.
+    Disc {
+        /// Unit vector towards its middle, world space.
+        toward: DVec3,
+        /// Strength per channel.
+        strength: Vec3,
+        /// From its middle to its rim as it is seen, in radians, above 0 and below pi / 2.
+        radius: f64,
+    },
     /// Light from one point, with hard shadows: adds `Kd x strength x max(0, n . l) / distance^2`, in a cone or all around.
     Point {
         /// Where it stands, world space.
@@ -71,10 +81,28 @@ impl Light {
         Ok(Self::Sun { toward, strength })
     }
 
+    /// The same of an angular diameter in radians: 0, or at most pi / 2. That of the sun is 0.0093 (0.53 degrees).
+    pub fn sun_of_size(toward: DVec3, strength: Vec3, diameter: f64) -> Result<Self, SceneError> {
+        if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&diameter) {
+            let (what, wanted) = ("size of a sun in degrees", "0 to 90");
+            return Err(SceneError::OutOfRange { what, value: diameter.to_degrees(), wanted });
+        }
+        match Self::sun(toward, strength)? {
+            // Less is as good as nothing, and brighter than numbers go
+            Self::Sun { toward, strength } if diameter > 1e-4 => {
+                Ok(Self::Disc { toward, strength, radius: 0.5 * diameter })
+            }
+            sun => Ok(sun),
+        }
+    }
+
     /// Its strength per channel.
     pub(crate) fn strength(&self) -> Vec3 {
         match *self {
-            Self::Ambient { strength } | Self::Sun { strength, .. } | Self::Point { strength, .. } => strength,
+            Self::Ambient { strength }
+            | Self::Sun { strength, .. }
+            | Self::Disc { strength, .. }
+            | Self::Point { strength, .. } => strength,
         }
     }
 }

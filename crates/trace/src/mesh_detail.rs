@@ -51,6 +51,42 @@ pub(crate) struct Corners {
     pub(crate) colors: Option<[Vec4; 3]>,
 }
 
+impl Corners {
+    /// The same in a space that a map leads to.
+    pub(crate) fn mapped(self, linear: &DMat3) -> Self {
+        let turn = linear.inverse().transpose().as_mat3();
+        Self { normals: self.normals.map(|normals| normals.map(|n| turn * n)), ..self }
+    }
+}
+
+/// The placed meshes of a geometry, by its triangles' names.
+#[derive(Debug, Clone)]
+pub(crate) struct Patches {
+    /// In the order of their triangles.
+    list: Vec<Patch>,
+    /// The triangle behind each name; `u32::MAX` for names without one.
+    triangle_of: Vec<u32>,
+}
+
+impl Patches {
+    pub(crate) fn new(list: Vec<Patch>, triangle_of: Vec<u32>) -> Self {
+        Self { list, triangle_of }
+    }
+
+    /// What a mesh says of the triangle with this name, if it says anything.
+    pub(crate) fn corners(&self, primitive: u32) -> Option<Corners> {
+        let triangle = self.triangle_of[primitive as usize];
+        let after = self.list.partition_point(|patch| patch.range.start <= triangle);
+        let patch = &self.list[after.checked_sub(1)?];
+        patch.range.contains(&triangle).then(|| patch.corners(triangle))
+    }
+
+    /// The names of all triangles.
+    pub(crate) fn names(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.triangle_of).filter(|(_, triangle)| **triangle != u32::MAX).map(|(name, _)| name)
+    }
+}
+
 impl Patch {
     pub(crate) fn new(range: Range<u32>, detail: Arc<MeshDetail>, kept: Option<Vec<u32>>, map: &DAffine3) -> Self {
         let linear: DMat3 = map.matrix3;

@@ -85,7 +85,7 @@ impl Packet {
     #[inline(always)]
     pub(crate) fn ray(&self, lane: usize) -> Ray {
         let vector = |lanes: &[Lanes; 3]| Vec3::new(lanes[0].0[lane], lanes[1].0[lane], lanes[2].0[lane]);
-        Ray { origin: vector(&self.origin), direction: vector(&self.direction) }
+        Ray::single(vector(&self.origin), vector(&self.direction))
     }
 
     /// Makes the rays ready to be traced; one or more are needed. The last group is filled up with the last ray.

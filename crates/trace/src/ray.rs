@@ -2,20 +2,37 @@
 
 use glam::{DVec3, Vec3};
 
-/// A half line: `origin + t direction` for t > 0. The direction need not be of length 1.
+/// A half line: `origin + t direction` for t > 0, at some time of the exposure. The direction need not be of length 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// Where it starts.
     pub origin: Vec3,
     /// Where it goes.
     pub direction: Vec3,
+    /// When: 0 as the shutter opens, 1 as it closes.
+    pub time: f32,
 }
 
 impl Ray {
-    /// A ray rounded to the tracer's precision.
+    /// The middle of an exposure.
+    pub const MIDDLE: f32 = 0.5;
+
+    /// A ray rounded to the tracer's precision, in the middle of the exposure.
     #[must_use]
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
-        Self { origin: origin.as_vec3(), direction: direction.as_vec3() }
+        Self::single(origin.as_vec3(), direction.as_vec3())
+    }
+
+    /// A ray in the middle of the exposure.
+    #[inline(always)]
+    pub(crate) fn single(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, time: Self::MIDDLE }
+    }
+
+    /// The same at another time, 0 to 1.
+    #[must_use]
+    pub fn timed(self, time: f32) -> Self {
+        Self { time, ..self }
     }
 
     /// A ray that leaves a surface at `point` on the side that `normal` (unit length) points to.

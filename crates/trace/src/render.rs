@@ -106,6 +106,7 @@ fn place(window: PixelWindow, index: usize) -> (i32, i32) {
 ///
 /// What a ray sees does not depend on its company, and sums are exact: how rays come together is never seen.
 struct Gather<'a> {
+    scene: &'a Scene,
     shader: Shader<'a>,
     sums: &'a mut [[Sum; 2]],
     packets: Vec<Packet>,
@@ -116,7 +117,7 @@ struct Gather<'a> {
 impl<'a> Gather<'a> {
     fn new(scene: &'a Scene, sums: &'a mut [[Sum; 2]]) -> Self {
         let packets = (0..Axes::CLASSES).map(Packet::new).collect();
-        Self { shader: Shader::new(scene), sums, packets, owners: vec![[(0, 0.0); RAYS]; Axes::CLASSES] }
+        Self { scene, shader: Shader::new(scene), sums, packets, owners: vec![[(0, 0.0); RAYS]; Axes::CLASSES] }
     }
 
     /// Adds the samples of pixel (x, y), the `index`-th of the chunk, that are wanted and missing.
@@ -139,8 +140,9 @@ impl<'a> Gather<'a> {
             sum.start(samples.start);
         }
         let corner = DVec2::new(f64::from(x), f64::from(y));
-        let samplers = [0, 1].map(|half| Sampler::new(seed, x, y, half));
-        let Some(pixel) = lens.pixel(corner) else {
+        let moves = self.scene.exposure().moves_camera();
+        let samplers = [0, 1].map(|half| Sampler::new(seed, x, y, half).timed(moves));
+        let Some(pixel) = lens.pixel(corner).filter(|_| !moves) else {
             return self.edge(simd, lens.camera(), corner, index, &samplers, &samples);
         };
         // Take eight at a time, those of the second half after those of the first
@@ -160,13 +162,14 @@ impl<'a> Gather<'a> {
                 let origin = Vec3::new(ox[lane], oy[lane], oz[lane]);
                 let direction = Vec3::new(dx[lane], dy[lane], dz[lane]);
                 let owner = (2 * index + usize::from(i >= counts[0])) as u32;
-                self.ray(simd, &Ray { origin, direction }, (owner, 1.0));
+                self.ray(simd, &Ray::single(origin, direction), (owner, 1.0));
             }
         }
     }
 
     /// Adds the samples of a pixel some of which the lens may block: those take another point of the lens where a cat's
-    /// eye is closed, since a pixel is the mean over the open lens, and see black where the whole lens is turned away.
+    /// eye is closed, since a pixel is the mean over the open lens, and see black where the whole lens is turned away. Those of a
+    /// camera that moves go this way too.
     #[cold]
     #[inline(never)]
     fn edge<S: Simd>(
@@ -183,8 +186,10 @@ impl<'a> Gather<'a> {
             for sample in samples.clone() {
                 let others = (1..=attempts).map(|attempt| sampler.other_lens(sample, attempt));
                 let Sample { pixel, lens } = sampler.sample(sample);
-                let q = camera.film.q_from_pixel(corner + pixel);
-                match std::iter::once(lens).chain(others).find_map(|u| camera.world_ray(q, u, 0.0)) {
+                let time = sampler.time(sample);
+                let now = self.scene.camera(camera, time);
+                let q = now.film.q_from_pixel(corner + pixel);
+                match std::iter::once(lens).chain(others).find_map(|u| now.world_ray(q, u, time.into())) {
                     Some(ray) => {
                         let owner = ((2 * index + half) as u32, ray.weight as f32);
                         self.ray(simd, &Ray::new(ray.origin, ray.direction), owner);
@@ -261,6 +266,8 @@ pub fn truth_to_noise(
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::{DAffine3, DVec3};
     use optics::{ApertureShape, Film, Focus, Iris, Pose};
 
@@ -285,7 +292,7 @@ mod tests {
                 iris: Iris::new(DVec3::new(0.1, -0.3, 1.0), 0.3, shape).unwrap(),
             };
             let pictures = levels::all().into_iter().map(|level| {
-                scene.geometry.set_level(level);
+                Arc::make_mut(&mut scene.geometry).set_level(level);
                 (level, truth(&scene, &camera, window, 10, 1, &rgbd::Silent).unwrap())
             });
             let pictures: Vec<_> = pictures.collect();

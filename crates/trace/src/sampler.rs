@@ -5,7 +5,9 @@ use std::sync::LazyLock;
 use fearless_simd::{f32x8, prelude::*, u32x8};
 use glam::DVec2;
 use sobol_burley::parts::sobol_rev;
-use sobol_burley::sample_4d;
+use sobol_burley::{sample, sample_4d};
+
+use crate::Ray;
 
 /// Length of a pixel's sequence in each half.
 pub const MAX_SAMPLES: u32 = 1 << 16;
@@ -22,6 +24,8 @@ pub(crate) const MAX_ATTEMPTS: u32 = 96;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sampler {
     scramble: u32,
+    /// Whether there is a time too.
+    is_timed: bool,
 }
 
 /// One sample: its offset in the pixel and its point on the lens, both in [0, 1)^2.
@@ -36,7 +40,24 @@ impl Sampler {
     pub(crate) fn new(seed: u64, x: i32, y: i32, half: usize) -> Self {
         let place = u64::from(x as u32) << 32 | u64::from(y as u32);
         let mixed = mix(mix(seed ^ (half as u64) << 63) ^ place);
-        Self { scramble: (mixed >> 32) as u32 }
+        Self { scramble: (mixed >> 32) as u32, is_timed: false }
+    }
+
+    /// The same with a time in the exposure as fifth dimension, if anything moves in it; the first four stay.
+    pub(crate) fn timed(self, is_timed: bool) -> Self {
+        Self { is_timed, ..self }
+    }
+
+    /// When sample `index` is taken: 0 as the shutter opens, 1 as it closes; its middle where nothing moves.
+    #[inline]
+    pub(crate) fn time(&self, index: u32) -> f32 {
+        if self.is_timed { sample(index, 4, self.scramble) } else { Ray::MIDDLE }
+    }
+
+    /// The first set of four dimensions that nothing above has taken.
+    #[inline]
+    pub(crate) fn free_set(&self) -> u32 {
+        1 + u32::from(self.is_timed)
     }
 
     /// What tells this sequence from all others.
@@ -55,7 +76,7 @@ impl Sampler {
     /// [`MAX_ATTEMPTS`], from dimensions of its own.
     #[inline]
     pub(crate) fn other_lens(&self, index: u32, attempt: u32) -> DVec2 {
-        let [a, b, c, d] = sample_4d(index, attempt.div_ceil(2), self.scramble).map(f64::from);
+        let [a, b, c, d] = sample_4d(index, attempt.div_ceil(2) - 1 + self.free_set(), self.scramble).map(f64::from);
         if attempt % 2 == 1 { DVec2::new(a, b) } else { DVec2::new(c, d) }
     }
 }
@@ -171,6 +192,30 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn time_is_stratified_and_spread_over_pixel_and_lens() {
+        const COUNT: u32 = 64;
+        let mut squares = [0.0_f64; 4];
+        for x in 0..200 {
+            let sampler = Sampler::new(5, x, 4, 0).timed(true);
+            let untimed = Sampler::new(5, x, 4, 0);
+            let mut counts = [0; COUNT as usize];
+            let mut sums = [0.0_f64; 4];
+            for index in 0..COUNT {
+                let (sample, time) = (sampler.sample(index), sampler.time(index));
+                assert_eq!((sample, untimed.time(index)), (untimed.sample(index), Ray::MIDDLE));
+                counts[(time * COUNT as f32) as usize] += 1;
+                let place = [sample.pixel.x, sample.pixel.y, sample.lens.x, sample.lens.y];
+                sums.iter_mut().zip(place).for_each(|(sum, x)| *sum += (x - 0.5) * (f64::from(time) - 0.5));
+            }
+            assert_eq!(counts, [1; COUNT as usize]);
+            squares.iter_mut().zip(sums).for_each(|(square, sum)| *square += sum * sum / 200.0);
+        }
+        // Independent numbers would have sums with a standard deviation of sqrt(64) / 12
+        let shares = squares.map(|square| square.sqrt() / (f64::from(COUNT).sqrt() / 12.0));
+        assert!(shares.iter().all(|&share| share < 0.8), "{shares:?}");
     }
 
     #[test]

@@ -1,41 +1,126 @@
 //! A scene, ready to be looked at.
 
-use glam::{DVec3, Vec3};
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
-use crate::geometry::{Geometry, Hit};
+use glam::{DVec3, Vec3};
+use optics::Camera;
+
+use crate::geometry::{Geometry, Hit, SurfaceId};
 use crate::sampler::Sampler;
+use crate::stage::{Mover, Stage, Things};
 use crate::transport::{Footprint, Stream, Transport};
-use crate::{Material, Ray};
+use crate::{Exposure, Material, Ray};
 
 /// The largest radiance that a scene may hold: sums of samples stay exact up to here (see `Accumulation`).
 pub const MAX_RADIANCE: f32 = 262_144.0;
 
-/// Surfaces, lights and sky; immutable, shared by all threads.
+/// Surfaces, lights and sky during an exposure; immutable, shared by all threads. Clones share all that is large.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    pub(crate) geometry: Geometry,
+    /// All that stands still.
+    pub(crate) geometry: Arc<Geometry>,
+    /// All that moves.
+    pub(crate) movers: Arc<[Mover]>,
+    pub(crate) stage: Arc<Stage>,
+    pub(crate) exposure: Exposure,
     pub(crate) materials: Vec<Material>,
     pub(crate) ambient: Vec3,
     pub(crate) suns: Vec<(DVec3, Vec3)>,
     pub(crate) sky: Vec3,
     pub(crate) shadow_bias: f64,
     pub(crate) metres_per_unit: Option<f64>,
-    pub(crate) transport: Option<Box<Transport>>,
+    pub(crate) transport: Option<Arc<Transport>>,
     /// By material.
     pub(crate) double_sided: Vec<bool>,
 }
 
 impl Scene {
+    /// The same scene during another exposure; as built it is one of no length at frame 0.
+    #[must_use]
+    pub fn exposed(&self, exposure: &Exposure) -> Self {
+        let stage = Arc::new(Stage::new(&self.movers, exposure));
+        Self { stage, exposure: exposure.clone(), ..self.clone() }
+    }
+
+    /// The same scene as it stands in the middle of its exposure, where depth and layers are those of.
+    #[must_use]
+    pub fn stopped(&self) -> Self {
+        if self.is_timed() { self.exposed(&self.exposure.stopped()) } else { self.clone() }
+    }
+
+    /// The exposure.
+    #[must_use]
+    pub fn exposure(&self) -> &Exposure {
+        &self.exposure
+    }
+
+    /// How many things move during the exposure.
+    #[must_use]
+    pub fn moving_things(&self) -> usize {
+        self.stage.moving()
+    }
+
+    /// Whether anything moves during the exposure, the camera or a thing.
+    #[must_use]
+    pub fn is_timed(&self) -> bool {
+        self.exposure.moves_camera() || self.stage.moving() > 0
+    }
+
+    /// The first and the last frame in which something has a key, if anything ever moves.
+    #[must_use]
+    pub fn frames(&self) -> Option<[f64; 2]> {
+        let frames = self.movers.iter().filter_map(|mover| mover.motion.frames());
+        frames.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+    }
+
+    /// A picture's camera at a time of the exposure.
+    pub(crate) fn camera(&self, middle: &Camera, time: f32) -> Camera {
+        self.exposure.camera(middle, time)
+    }
+
+    /// What moves, if anything does.
+    pub(crate) fn things(&self) -> Option<Things<'_>> {
+        let things = Things { movers: &self.movers, stage: &self.stage, exposure: &self.exposure };
+        (!self.movers.is_empty()).then_some(things)
+    }
+
+    /// The first surface on a ray but `skip`, whatever holes it has.
+    #[inline]
+    pub(crate) fn first(&self, ray: &Ray, skip: SurfaceId) -> Option<Hit> {
+        let found = self.geometry.hit_skipping(ray, skip.within(SurfaceId::STILL));
+        match self.things() {
+            None => found,
+            Some(things) => things.first(&self.geometry, ray, skip, found),
+        }
+    }
+
+    /// Whether any surface but `skip` lies on a ray before `t_max`, whatever holes it has.
+    #[inline]
+    pub(crate) fn blocks(&self, ray: &Ray, t_max: f64, skip: SurfaceId) -> bool {
+        self.geometry.is_blocked(ray, t_max, skip.within(SurfaceId::STILL))
+            || self.things().is_some_and(|things| things.block(&self.geometry, ray, t_max, skip))
+    }
+
+    /// Where a pattern that is fixed in the world is looked up for a point: what moves takes it along.
+    #[inline]
+    pub(crate) fn resting(&self, hit: &Hit) -> DVec3 {
+        match self.things() {
+            Some(things) if hit.mover != SurfaceId::STILL => things.resting(hit),
+            _ => hit.point,
+        }
+    }
+
     /// The first surface that the ray meets; holes in it are none, and what covers less than half of what lies behind it.
     #[must_use]
     pub fn hit(&self, ray: &Ray) -> Option<Hit> {
-        self.hit_from(ray, Geometry::NO_PRIMITIVE)
+        self.hit_from(ray, SurfaceId::NONE)
     }
 
     /// The first surface that the ray meets but the triangle `skip`.
-    pub(crate) fn hit_from(&self, ray: &Ray, skip: u32) -> Option<Hit> {
+    pub(crate) fn hit_from(&self, ray: &Ray, skip: SurfaceId) -> Option<Hit> {
         match &self.transport {
-            None => self.geometry.hit_skipping(ray, skip),
+            None => self.first(ray, skip),
             Some(transport) => transport.solid_hit(self, ray, skip),
         }
     }
@@ -43,29 +128,29 @@ impl Scene {
     /// Whether a surface lies on the ray at t in (0, `t_max`).
     #[must_use]
     pub fn is_blocked(&self, ray: &Ray, t_max: f64) -> bool {
-        self.is_blocked_skipping(ray, t_max, Geometry::NO_PRIMITIVE)
+        self.is_blocked_skipping(ray, t_max, SurfaceId::NONE)
     }
 
-    fn is_blocked_skipping(&self, ray: &Ray, t_max: f64, skip: u32) -> bool {
+    fn is_blocked_skipping(&self, ray: &Ray, t_max: f64, skip: SurfaceId) -> bool {
         match &self.transport {
             Some(transport) if transport.has_holes() => {
                 transport.solid_hit(self, ray, skip).is_some_and(|hit| hit.t < t_max)
             }
-            _ => self.geometry.is_blocked(ray, t_max, skip),
+            _ => self.blocks(ray, t_max, skip),
         }
     }
 
     /// Whether a surface other than `from`'s own lies between it and `target`.
     #[must_use]
     pub fn is_hidden(&self, from: &Hit, normal: DVec3, target: DVec3) -> bool {
-        let ray = Ray::leaving(from.point, normal, target - from.point);
-        self.is_blocked_skipping(&ray, 1.0, from.primitive)
+        let ray = Ray::leaving(from.point, normal, target - from.point).timed(from.time);
+        self.is_blocked_skipping(&ray, 1.0, from.id())
     }
 
     /// The next surface along `direction` from a point of another one, on the side that `normal` points to.
     pub(crate) fn hit_beyond(&self, from: &Hit, normal: DVec3, direction: DVec3) -> Option<Hit> {
-        let ray = Ray::leaving(from.point, normal, direction);
-        self.hit_from(&ray, from.primitive)
+        let ray = Ray::leaving(from.point, normal, direction).timed(from.time);
+        self.hit_from(&ray, from.id())
     }
 
     /// The surface as it is seen along `direction`: the back of a double-sided one is its outer side too.
@@ -160,7 +245,10 @@ impl Scene {
     /// Bytes of memory that its surfaces occupy, with the tree over them.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.geometry.bytes()
+        // Copies share their surfaces
+        let mut counted = BTreeSet::new();
+        let solids = self.movers.iter().filter(|mover| counted.insert(Arc::as_ptr(&mover.solid)));
+        self.geometry.bytes() + solids.map(|mover| mover.solid.geometry.bytes()).sum::<usize>()
     }
 
     /// Metres in one scene unit, where known.

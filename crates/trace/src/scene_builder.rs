@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 
-use crate::geometry::{Geometry, Triangle};
-use crate::mesh_detail::Patch;
-use crate::shape::PlacedShape;
-use crate::transport::{Parts, PointLight, Transport};
-use crate::{Alpha, Environment, Finish, Light, MAX_RADIANCE, Material, Matter, MeshDetail, Scene, SceneError, Shape};
+use crate::geometry::Geometry;
+use crate::mesh_detail::{Patch, Patches};
+use crate::stage::{Mover, Solid, Stage};
+use crate::transport::{Disc, Parts, PointLight, Transport};
+use crate::{
+    Alpha, Body, Environment, Exposure, Finish, Light, MAX_RADIANCE, Material, Matter, MeshDetail, Motion, Scene,
+    SceneError, Shape,
+};
 
 /// Bounces that are taken where something needs any and nobody says how many.
 pub(crate) const DEFAULT_BOUNCES: u32 = 8;
@@ -18,9 +21,9 @@ const MOST_BOUNCES: u32 = 1024;
 /// Collects the parts of a [`Scene`].
 #[derive(Debug, Clone, Default)]
 pub struct SceneBuilder {
-    triangles: Vec<Triangle>,
-    shapes: Vec<PlacedShape>,
-    patches: Vec<Patch>,
+    still: Body,
+    bodies: Vec<Body>,
+    moving: Vec<(BodyId, Motion)>,
     materials: Vec<Material>,
     finishes: Vec<Finish>,
     lights: Vec<Light>,
@@ -33,7 +36,11 @@ pub struct SceneBuilder {
 
 /// A material of a [`SceneBuilder`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MaterialId(u32);
+pub struct MaterialId(pub(crate) u32);
+
+/// A thing of a [`SceneBuilder`] that moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BodyId(usize);
 
 impl SceneBuilder {
     /// An empty, black scene.
@@ -56,13 +63,10 @@ impl SceneBuilder {
 
     /// Adds a canonical shape under an affine map, which must be finite and invertible.
     pub fn shape(&mut self, shape: Shape, world_from_local: DAffine3, material: MaterialId) -> Result<(), SceneError> {
-        self.shapes.push(PlacedShape::new(shape, world_from_local, material.0)?);
-        Ok(())
+        self.still.shape(shape, world_from_local, material)
     }
 
-    /// Adds triangles: `corners` are indices into `vertices`, counter-clockwise seen from outside, each triangle with
-    /// its own material. Triangles without area, or with a corner that is not finite, can never be seen: they are left
-    /// out, and their number is returned.
+    /// Adds triangles that stand still, as [`Body::mesh`] does.
     pub fn mesh(
         &mut self,
         vertices: &[DVec3],
@@ -70,10 +74,10 @@ impl SceneBuilder {
         materials: impl Fn(usize) -> MaterialId,
         world_from_local: DAffine3,
     ) -> Result<usize, SceneError> {
-        self.detailed_mesh(vertices, corners, materials, world_from_local, &Arc::default())
+        self.still.mesh(vertices, corners, materials, world_from_local)
     }
 
-    /// Adds triangles of which more is known than their corners' places: `detail` has an entry for each, or none.
+    /// Adds triangles that stand still, as [`Body::detailed_mesh`] does.
     pub fn detailed_mesh(
         &mut self,
         vertices: &[DVec3],
@@ -82,31 +86,29 @@ impl SceneBuilder {
         world_from_local: DAffine3,
         detail: &Arc<MeshDetail>,
     ) -> Result<usize, SceneError> {
-        let first = self.triangles.len();
-        let mut kept = Vec::new();
-        // Rounding once per vertex keeps neighbours together
-        let world: Vec<Vec3> = vertices.iter().map(|&v| world_from_local.transform_point3(v).as_vec3()).collect();
-        let mut dropped = 0;
-        for (triangle, indices) in corners.iter().enumerate() {
-            if let Some(&vertex) = indices.iter().find(|&&i| i as usize >= world.len()) {
-                return Err(SceneError::NoSuchVertex { triangle, vertex, count: world.len() });
-            }
-            let corners = indices.map(|i| world[i as usize]);
-            let [a, b, c] = corners.map(Vec3::as_dvec3);
-            let area = (b - a).cross(c - a).length();
-            if area > 0.0 && area.is_finite() {
-                self.triangles.push(Triangle { corners, material: materials(triangle).0 });
-                kept.push(triangle as u32);
-            } else {
-                dropped += 1;
-            }
+        self.still.detailed_mesh(vertices, corners, materials, world_from_local, detail)
+    }
+
+    /// All that stands still.
+    pub(crate) fn still(&mut self) -> &mut Body {
+        &mut self.still
+    }
+
+    /// Adds a thing that can be put into the scene with [`Self::moving`], once or many times.
+    pub fn body(&mut self, body: Body) -> BodyId {
+        self.bodies.push(body);
+        BodyId(self.bodies.len() - 1)
+    }
+
+    /// Puts a thing into the scene that moves; nothing of it may be endless. What it emits is seen, and lights what paths
+    /// happen to come from; it is not asked for light.
+    pub fn moving(&mut self, body: BodyId, motion: Motion) -> Result<(), SceneError> {
+        let Some([low, high]) = self.bodies[body.0].extent() else { return Err(SceneError::EndlessMover) };
+        if !self.bodies[body.0].is_empty() {
+            motion.check(low.abs().max(high.abs()).length())?;
+            self.moving.push((body, motion));
         }
-        if !detail.is_empty() && first < self.triangles.len() {
-            let kept = (dropped > 0).then_some(kept);
-            let range = first as u32..self.triangles.len() as u32;
-            self.patches.push(Patch::new(range, Arc::clone(detail), kept, &world_from_local));
-        }
-        Ok(dropped)
+        Ok(())
     }
 
     /// Lets light come from infinitely far as a picture of all directions says, instead of the sky.
@@ -188,26 +190,42 @@ impl SceneBuilder {
         let (bounces, reasons) = self.needs();
         let double_sided = self.finishes.iter().map(|finish| finish.is_double_sided).collect();
         let mut ambient = Vec3::ZERO;
-        let (mut suns, mut points) = (Vec::new(), Vec::new());
+        let (mut suns, mut points, mut discs) = (Vec::new(), Vec::new(), Vec::new());
         for light in self.lights {
             match light {
                 Light::Ambient { strength } => ambient += strength,
                 Light::Sun { toward, strength } => suns.push((toward, strength)),
+                Light::Disc { toward, strength, radius } => {
+                    let disc = Disc::new(toward, strength, radius);
+                    not_too_bright("radiance of a sun of that size", disc.radiance.max_element())?;
+                    discs.push(disc);
+                }
                 Light::Point { at, strength, cone } => points.push(PointLight { at, strength, cone }),
             }
         }
+        let Body { triangles, shapes, patches } = self.still;
         let (geometry, transport) = if reasons.is_empty() {
-            (Geometry::new(self.triangles, self.shapes)?, None)
+            (Geometry::new(triangles, shapes)?, None)
         } else {
-            let (geometry, triangle_of) = Geometry::with_indices(self.triangles, self.shapes)?;
-            let (finishes, patches, environment) = (self.finishes, self.patches, self.environment);
-            let parts = Parts { finishes, patches, triangle_of, points, environment, bounces, reasons };
+            let (geometry, triangle_of) = Geometry::with_indices(triangles, shapes)?;
+            let (finishes, patches, environment) =
+                (self.finishes, Patches::new(patches, triangle_of), self.environment);
+            let parts = Parts { finishes, patches, points, discs, environment, bounces, reasons };
             let emission: Vec<Vec3> = self.materials.iter().map(|material| material.emission).collect();
             let transport = Transport::new(parts, &geometry, &emission);
-            (geometry, Some(Box::new(transport)))
+            (geometry, Some(Arc::new(transport)))
         };
+        let solids = self.bodies.into_iter().map(|body| Ok(Arc::new(Solid::new(body)?)));
+        let solids = solids.collect::<Result<Vec<_>, SceneError>>()?;
+        let mover = |(body, motion): (BodyId, Motion)| Mover::new(&solids[body.0], motion);
+        let movers: Arc<[Mover]> = self.moving.into_iter().map(mover).collect();
+        let exposure = Exposure::default();
+        let stage = Arc::new(Stage::new(&movers, &exposure));
         Ok(Scene {
-            geometry,
+            geometry: Arc::new(geometry),
+            movers,
+            stage,
+            exposure,
             materials: self.materials,
             ambient,
             suns,
@@ -223,8 +241,10 @@ impl SceneBuilder {
     pub(crate) fn needs(&self) -> (u32, Vec<String>) {
         // Only what is used counts
         let mut is_used = vec![false; self.materials.len()];
-        let of_triangles = self.triangles.iter().map(|triangle| triangle.material);
-        of_triangles.chain(self.shapes.iter().map(|shape| shape.material)).for_each(|i| is_used[i as usize] = true);
+        let moving = self.moving.iter().map(|(body, _)| &self.bodies[body.0]);
+        let bodies: Vec<&Body> = moving.chain([&self.still]).collect();
+        bodies.iter().flat_map(|body| body.materials()).for_each(|i| is_used[i as usize] = true);
+        let has = |is_one: fn(&Patch) -> bool| bodies.iter().any(|body| body.patches.iter().any(is_one));
         let used = || (0..self.materials.len()).filter(|&i| is_used[i]);
         let finish = |is_one: &dyn Fn(&Finish) -> bool| used().map(|i| &self.finishes[i]).find(|finish| is_one(finish));
         let mut reasons = Vec::new();
@@ -262,14 +282,22 @@ impl SceneBuilder {
         };
         add("textured material", finish(&|finish| finish.maps().next().is_some()));
         add("material with holes", finish(&|finish| finish.alpha != Alpha::Opaque));
-        if self.patches.iter().any(Patch::is_smooth) {
+        if has(Patch::is_smooth) {
             reasons.push("smooth normals".to_owned());
         }
-        if self.patches.iter().any(Patch::is_colored) {
+        if has(Patch::is_colored) {
             reasons.push("colours at vertices".to_owned());
         }
         if self.lights.iter().any(|light| matches!(light, Light::Point { .. })) {
             reasons.push("point light".to_owned());
+        }
+        if self.lights.iter().any(|light| matches!(light, Light::Disc { .. })) {
+            reasons.push("sun of a size".to_owned());
+        }
+        match self.moving.len() {
+            0 => {}
+            1 => reasons.push("a moving thing".to_owned()),
+            count => reasons.push(format!("{count} moving things")),
         }
         if self.bounces == Some(0) && self.environment.is_some() {
             reasons.push("environment map, seen only".to_owned());
@@ -291,7 +319,10 @@ fn check_finish(finish: &Finish) -> Result<(), SceneError> {
             within("roughness", roughness, [0.0, 1.0], "0 to 1")?;
             within("refractive index", ior, [1.0, 4.0], "1 to 4")?;
         }
-        Matter::Glass { ior, .. } => within("refractive index", ior, [1.0, 4.0], "1 to 4")?,
+        Matter::Glass { ior, roughness, .. } => {
+            within("refractive index", ior, [1.0, 4.0], "1 to 4")?;
+            within("roughness", roughness, [0.0, 1.0], "0 to 1")?;
+        }
     }
     within("opacity", finish.opacity, [0.0, 1.0], "0 to 1")
 }

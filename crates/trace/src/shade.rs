@@ -161,10 +161,7 @@ mod tests {
                 for i in 0..RAYS {
                     let place = Vec3::new(i as f32 / 32.0 - 1.0, row as f32 / 20.0 - 1.0, 0.0);
                     let lens = 0.2 * (place * 37.0).sin();
-                    let ray = Ray {
-                        origin: Vec3::new(0.0, 3.0, 7.0) + lens.yxz(),
-                        direction: place - Vec3::new(0.0, 0.4, 1.2),
-                    };
+                    let ray = Ray::single(Vec3::new(0.0, 3.0, 7.0) + lens.yxz(), place - Vec3::new(0.0, 0.4, 1.2));
                     packets[Axes::class_of(ray.direction)].push(&ray);
                 }
                 for packet in packets.iter_mut().filter(|packet| packet.count() > 0) {

@@ -84,7 +84,7 @@ fn the_sky_in_a_ball_stands_at_its_focus() {
 #[test]
 fn a_pane_brings_what_is_behind_it_nearer() {
     let mut builder = SceneBuilder::new();
-    let glass = Finish { matter: Matter::Glass { ior: 1.5, thin: false }, ..Finish::default() };
+    let glass = Finish { matter: Matter::glass(1.5, false), ..Finish::default() };
     let glass = builder.finished(Material::matte(Vec3::ONE), glass);
     let map = DAffine3::from_translation(3.0 * DVec3::NEG_Z) * DAffine3::from_scale(DVec3::new(9.0, 9.0, 0.75));
     builder.shape(Shape::Cuboid, map, glass).unwrap();

@@ -13,14 +13,15 @@ fn open(name: &str) -> SceneFile {
 
 #[test]
 fn every_shot_shows_something() {
-    for name in ["simple", "landscape", "town", "tabletop", "thicket"] {
+    for name in ["simple", "landscape", "town", "tabletop", "thicket", "traffic"] {
         let file = open(name);
         assert!(file.warnings().is_empty());
         assert!(file.shots().len() >= 4, "{name}");
         for (shot_name, shot) in file.shots() {
             let film = shot.camera.film.resized(32, 18).unwrap();
             let camera = Camera { film, ..shot.camera };
-            let truth = trace::truth(file.scene(), &camera, PixelWindow::of_size(32, 18), 8, 1, &Silent).unwrap();
+            let truth =
+                trace::truth(&file.scene_of(shot), &camera, PixelWindow::of_size(32, 18), 8, 1, &Silent).unwrap();
             let picture = truth.picture();
             let greens: Vec<f32> = picture.window().pixels().map(|(x, y)| picture.at(x, y)[1]).collect();
             let mean = greens.iter().sum::<f32>() / greens.len() as f32;
@@ -32,10 +33,12 @@ fn every_shot_shows_something() {
 }
 
 #[test]
-fn only_the_tabletop_needs_more_than_packets() {
+fn only_gloss_and_motion_need_more_than_packets() {
     for name in ["simple", "landscape", "town", "thicket"] {
         assert!(open(name).scene().needs().is_empty(), "{name}: {:?}", open(name).scene().needs());
     }
+    let traffic = open("traffic");
+    assert!(traffic.scene().needs()[0].ends_with("moving things") && traffic.scene().bounces() == 0);
     let table = open("tabletop");
     assert_eq!(table.scene().bounces(), 8);
 }

@@ -1,7 +1,7 @@
 //! What the experiments filter: the frame as it is shipped and without its faults, in pixels and in finer ones.
 
 use optics::Camera;
-use rgbd::{Frame, Layer, Mask, Picture, PixelWindow, Progress};
+use rgbd::{Frame, Layer, Mask, PixelWindow, Progress};
 use trace::{LayerSettings, Margin, Scene};
 
 use crate::{Cause, CausesSettings, StudyError, causes::SwitchedOff};
@@ -16,8 +16,8 @@ const SILHOUETTE_PX: f64 = 0.5;
 pub(crate) struct Inputs {
     pub(crate) camera: Camera,
     whole: Frame,
-    /// The first layer's colour of as few samples as are shipped.
-    sampled: Picture,
+    /// The same with colour, and what pixels are made of, of as few samples as are shipped, with two layers at most.
+    sampled: Frame,
     /// The data window that is shipped.
     shipped: PixelWindow,
 }
@@ -42,9 +42,13 @@ impl Inputs {
         };
         let whole = trace::layers(scene, &camera, &wanted, progress)?.frame;
         let data = whole.data();
-        let seed = settings.seed.wrapping_add(1);
-        let few = 0..samples.div_ceil(2);
-        let sampled = trace::render(scene, &camera.pinhole(), &data.into(), few, seed, progress)?.picture();
+        let few = LayerSettings {
+            count: settings.most_layers.min(2),
+            color_samples: samples,
+            seed: settings.seed.wrapping_add(1),
+            ..wanted
+        };
+        let sampled = trace::layers(scene, &camera, &few, progress)?.frame.covering(data).cropped(data);
 
         // Cut as much of the margin off as is missing where the frame is shipped
         let [columns, rows] = settings.margin.map(|pixels| pixels.saturating_mul(fine).min(1 << 20));
@@ -64,15 +68,23 @@ impl Inputs {
             1 => off.has(Cause::SecondLayer),
             _ => off.has(Cause::FurtherLayers),
         };
+        let source = if off.has(Cause::SampledColor) { &self.whole } else { &self.sampled };
+        let window = if off.has(Cause::Border) { self.whole.data() } else { self.shipped };
         let mut layers: Vec<Layer> = Vec::new();
         for (i, layer) in self.whole.layers().iter().enumerate().filter(|(i, _)| kept(*i)) {
             let mut layer = layer.clone();
-            if i == 0 && !off.has(Cause::SampledColor) {
-                layer.color = self.sampled.clone();
+            if i == 0 {
+                layer.color = source.layers()[0].color.clone();
             }
-            layers.push(if off.has(Cause::Border) { layer } else { layer.cropped(self.shipped) });
+            layers.push(layer.cropped(window));
         }
-        Ok(Frame::new(self.display(), layers)?)
+
+        // What pixels are made of is known to frames of more than one layer
+        let mut frame = Frame::new(self.display(), layers)?;
+        if frame.layers().len() > 1 {
+            frame.planes = source.planes.iter().map(|(name, plane)| (name.clone(), plane.cropped(window))).collect();
+        }
+        Ok(frame)
     }
 
     /// The pixels whose blur has a silhouette in reach: a jump of the first layer's depth that no plane explains.

@@ -5,7 +5,7 @@ use anyhow::{Context, anyhow};
 use clap::ValueEnum;
 use optics::{Camera, OpticsError};
 use study::{Over, Series, Subject, measure};
-use trace::SceneFile;
+use trace::Scene;
 
 use super::{Options, rungs, subject_name};
 use crate::console::{Bar, print, say};
@@ -47,10 +47,10 @@ impl Growing {
 }
 
 /// Runs every method on steps of growing cost.
-pub(super) fn run(options: &Options, file: &SceneFile, camera: &Camera, growing: Growing) -> Outcome {
+pub(super) fn run(options: &Options, scene: &Scene, camera: &Camera, growing: Growing) -> Outcome {
     let mut steps = Vec::new();
     for camera in growing.cameras(camera)? {
-        let layered = options.quality.layers(file.scene(), &camera)?;
+        let layered = options.quality.layers(scene, &camera)?;
         let frame = &layered.frame;
         let largest = Masks::from_frame(frame, &camera, None)?.largest_coc_radius_px().unwrap_or(0.0);
         let at = match growing {
@@ -67,7 +67,7 @@ pub(super) fn run(options: &Options, file: &SceneFile, camera: &Camera, growing:
             2.0 * largest
         ));
         let seed = options.quality.other_seed();
-        let subject = Subject { scene: file.scene(), camera: &camera, frame, seed, folder: &options.out };
+        let subject = Subject { scene, camera: &camera, frame, seed, folder: &options.out };
         let rungs = rungs(options, frame.layers().len());
         steps.push((at, measure(&subject, &rungs, options.runs.into(), &Bar::new("run all methods"))?));
     }

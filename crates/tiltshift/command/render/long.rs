@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use optics::Camera;
 use rgbd::{PixelWindow, Progress, ReadOptions, WriteOptions};
-use trace::{Goal, Job, Part, RenderError, SceneFile};
+use trace::{Goal, Job, Part, RenderError, Scene};
 
 use crate::command::render::Quality;
 use crate::console::{Bar, is_interrupted, say};
@@ -62,7 +62,7 @@ impl Long {
     /// Renders until the goal is reached or the user stops it, and saves what there is in between.
     pub(crate) fn run(
         &self,
-        file: &SceneFile,
+        (scene, fingerprint): (&Scene, u32),
         camera: &Camera,
         quality: &Quality,
         place: &Path,
@@ -75,11 +75,11 @@ impl Long {
         // Long enough to get on at all
         let save_every = Duration::from_secs_f64(self.save_every.clamp(0.05, 1e6));
         let mut part =
-            Part { job: self.begin(file, camera, quality, place)?, scene: file.fingerprint(), lens: write.lens };
+            Part { job: self.begin(fingerprint, camera, quality, place)?, scene: fingerprint, lens: write.lens };
         let bar = Bar::new("trace the truth");
         loop {
             let slice = Slice { bar: &bar, end: Instant::now() + save_every };
-            let outcome = part.job.run(file.scene(), &goal, &slice);
+            let outcome = part.job.run(scene, &goal, &slice);
             match outcome {
                 Ok(()) => break,
                 Err(RenderError::Cancelled(_)) if part.job.sums().samples() > 0 => {
@@ -115,7 +115,7 @@ impl Long {
     }
 
     /// A new render, or the one that was stopped.
-    fn begin(&self, file: &SceneFile, camera: &Camera, quality: &Quality, place: &Path) -> anyhow::Result<Job> {
+    fn begin(&self, scene: u32, camera: &Camera, quality: &Quality, place: &Path) -> anyhow::Result<Job> {
         let display = PixelWindow::of_size(camera.film.width(), camera.film.height());
         let window = match self.crop {
             None => display,
@@ -130,9 +130,9 @@ impl Long {
         }
         let part = Part::read(place, ReadOptions::MAX_PIXELS)?;
         let sums = part.job.sums();
-        let (same_scene, same_camera) = (part.scene == file.fingerprint(), sums.camera() == camera);
+        let (same_scene, same_camera) = (part.scene == scene, sums.camera() == camera);
         let faults = [
-            ("scene", same_scene),
+            ("scene, frame or shutter", same_scene),
             ("camera, lens or size", same_camera),
             ("seed", sums.seed() == quality.seed),
             ("crop", sums.window() == window),

@@ -33,6 +33,7 @@ pub(crate) fn seen(
     if let Some(other) = film_options.film(film.width(), film.height(), 1.0)? {
         shot.camera.film = other;
         shot.lens = None;
+        shot.exposure = shot.exposure.with_held_lens();
     }
     if !lens_options.is_given() {
         return Ok(shot);
@@ -53,7 +54,8 @@ pub(crate) fn seen(
     let seen = SceneDepths { scene, pose, film, metres };
     let focal_length_mm = Some(focal_length_mm.unwrap_or(from_film));
     let chosen = lens_options.camera(pose, film, focal_length_mm, metres, &seen)?;
-    Ok(Shot { camera: Camera { film, ..chosen.camera }, lens: Some(chosen.lens.scaled(1.0 / metres)?), ..shot })
+    let (camera, lens) = (Camera { film, ..chosen.camera }, Some(chosen.lens.scaled(1.0 / metres)?));
+    Ok(Shot { camera, lens, exposure: shot.exposure.with_held_lens(), description: shot.description })
 }
 
 /// The depths of a scene in metres, by pixels of a film.

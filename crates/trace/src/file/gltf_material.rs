@@ -7,7 +7,7 @@ use gltf::texture::WrappingMode;
 
 use super::gltf_access;
 use super::resources::Resources;
-use crate::{Alpha, Encoding, Finish, Material, Matter, Pigment, TextureMap, Wrap};
+use crate::{Absorption, Alpha, Encoding, Finish, Material, Matter, Pigment, TextureMap, Wrap};
 
 /// Reads materials, with the pictures that they name.
 pub(super) struct Materials<'a> {
@@ -67,7 +67,15 @@ impl Materials<'_> {
         let transmission = source.transmission().map_or(0.0, |transmission| clean(transmission.transmission_factor()));
         let is_matte = metallic == 0.0 && (roughness >= 1.0 && surface_map.is_none() || ior <= 1.0);
         if transmission >= 0.5 {
-            finish.matter = Matter::Glass { ior: source.ior().map_or(1.5, clean).clamp(1.0, 4.0), thin: true };
+            let ior = source.ior().map_or(1.5, clean).clamp(1.0, 4.0);
+            let volume = source.volume().filter(|volume| clean(volume.thickness_factor()) > 0.0);
+            let absorption = volume.as_ref().and_then(|volume| {
+                // A distance that is not finite stands for glass that absorbs nothing
+                let color = Vec3::from_array(volume.attenuation_color().map(|x| clean(x).min(1.0)));
+                Absorption::new(color, volume.attenuation_distance()).ok()
+            });
+            finish.matter = Matter::Glass { ior, thin: volume.is_none(), roughness, absorption };
+            finish.surface_map = surface_map.and_then(|info| self.map(&info, Encoding::Data));
         } else if !is_matte {
             finish.matter = Matter::Glossy { metallic, roughness, ior };
             finish.surface_map = surface_map.and_then(|info| self.map(&info, Encoding::Data));

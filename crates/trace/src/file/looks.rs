@@ -6,8 +6,8 @@ use glam::{DVec3, Vec3};
 
 use super::error::Fault;
 use super::scene_file::refuse_special;
-use super::spec::{AxesSpec, EnvironmentSpec, LightSpec, MaterialSpec};
-use crate::{Alpha, Cone, Environment, Finish, Light, Material, Matter, Pigment};
+use super::spec::{AxesSpec, EnvironmentSpec, GlassSpec, LightSpec, MaterialSpec};
+use crate::{Absorption, Alpha, Cone, Environment, Finish, Light, Material, Matter, Pigment};
 
 /// Refractive index where none is given: window glass, plastics.
 const USUAL_IOR: f32 = 1.5;
@@ -15,7 +15,10 @@ const USUAL_IOR: f32 = 1.5;
 pub(super) fn light(spec: &LightSpec) -> Result<Light, Fault> {
     Ok(match *spec {
         LightSpec::Ambient { strength } => Light::Ambient { strength: strength.0.as_vec3() },
-        LightSpec::Sun { toward, strength } => Light::sun(DVec3::from_array(toward), strength.0.as_vec3())?,
+        LightSpec::Sun { toward, strength, size_deg } => {
+            let size = size_deg.unwrap_or(0.0).to_radians();
+            Light::sun_of_size(DVec3::from_array(toward), strength.0.as_vec3(), size)?
+        }
         LightSpec::Point { at, strength } => {
             Light::Point { at: finite(at)?, strength: strength.0.as_vec3(), cone: None }
         }
@@ -52,9 +55,14 @@ pub(super) fn material(name: &str, spec: &MaterialSpec) -> Result<(Material, Fin
     };
     let matter = match spec.glass {
         Some(_) if is_glossy || spec.ior.is_some() => {
-            return Fault::says("glass is smooth and no metal; its index goes inside: glass = { ior = 1.5 }");
+            return Fault::says("glass is no metal, and its numbers go inside: glass = { ior = 1.5, roughness = 0.2 }");
         }
-        Some(glass) => Matter::Glass { ior: glass.ior.unwrap_or(USUAL_IOR), thin: glass.thin },
+        Some(glass) => Matter::Glass {
+            ior: glass.ior.unwrap_or(USUAL_IOR),
+            thin: glass.thin,
+            roughness: glass.roughness,
+            absorption: absorption(&glass)?,
+        },
         None if is_glossy => Matter::Glossy {
             metallic: spec.metallic.unwrap_or(0.0),
             roughness: spec.roughness.unwrap_or(0.0),
@@ -76,6 +84,18 @@ pub(super) fn material(name: &str, spec: &MaterialSpec) -> Result<(Material, Fin
         ..Finish::default()
     };
     Ok((Material { pigment, emission }, finish))
+}
+
+/// What glass takes away inside.
+fn absorption(glass: &GlassSpec) -> Result<Option<Absorption>, Fault> {
+    match (glass.attenuation_color, glass.attenuation_distance) {
+        (None, None) => Ok(None),
+        (Some(_), Some(_)) if glass.thin => {
+            Fault::says("thin glass has no inside that could absorb; leave out thin or attenuation")
+        }
+        (Some(color), Some(distance)) => Ok(Some(Absorption::new(color.0.as_vec3(), distance)?)),
+        _ => Fault::says("glass that absorbs needs both attenuation_color and attenuation_distance"),
+    }
 }
 
 /// Reads the picture of all directions that lies at a path: OpenEXR or Radiance HDR.

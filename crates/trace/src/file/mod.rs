@@ -15,7 +15,9 @@ mod resources;
 mod scatter;
 mod scene_file;
 mod shot;
+mod shutter;
 mod spec;
+mod take;
 mod triple;
 
 pub use error::FileError;

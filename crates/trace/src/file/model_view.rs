@@ -10,7 +10,7 @@ use super::error::{Fault, FileError};
 use super::model::{Model, ModelCamera};
 use super::scene_file::{SceneFile, Wishes};
 use super::shot::Shot;
-use crate::{Light, Scene, SceneBuilder};
+use crate::{Exposure, Light, Scene, SceneBuilder};
 
 /// Pixels of a picture, where nobody says how many.
 const SIZE: [u32; 2] = [1280, 720];
@@ -62,7 +62,8 @@ fn scene(model: &Model, wishes: &Wishes) -> Result<(Scene, u32), Fault> {
     let mesh = &model.mesh;
     let mut fingerprint = crc32fast::Hasher::new();
     mesh.add_to(&mut fingerprint);
-    fingerprint.update(format!("{:?} {wishes:?}", model.lights).as_bytes());
+    let Wishes { bounces, metres_per_unit, .. } = wishes;
+    fingerprint.update(format!("{:?} {bounces:?} {metres_per_unit:?}", model.lights).as_bytes());
 
     let mut builder = SceneBuilder::new();
     builder.metres_per_unit(wishes.metres_per_unit.unwrap_or(1.0))?;
@@ -108,7 +109,7 @@ fn shot_of(source: &ModelCamera, [low, high]: &[DVec3; 2]) -> Result<Shot, Strin
         let focus = Focus::at_depth(if distance > 0.0 { distance } else { f64::INFINITY })?;
         let camera = Camera { pose, film, focus, iris: Iris::pinhole() };
         let name = if source.name.is_empty() { "a camera of the file" } else { &source.name };
-        Ok(Shot { description: name.to_owned(), camera, lens: None })
+        Ok(Shot { description: name.to_owned(), camera, lens: None, exposure: Exposure::default() })
     };
     shot().map_err(|fault| fault.to_string())
 }
@@ -130,5 +131,10 @@ fn view_of([low, high]: &[DVec3; 2]) -> Result<Shot, Fault> {
     let distance = needed.fold(f64::MIN_POSITIVE, f64::max);
     let pose = Pose::look_at(centre + distance * FROM.normalize(), centre, DVec3::Y)?;
     let camera = Camera { pose, film, focus: Focus::at_depth(distance)?, iris: Iris::pinhole() };
-    Ok(Shot { description: "All of it, from the right, above and in front".to_owned(), camera, lens: None })
+    Ok(Shot {
+        description: "All of it, from the right, above and in front".to_owned(),
+        camera,
+        lens: None,
+        exposure: Exposure::default(),
+    })
 }

@@ -16,6 +16,7 @@ use super::model_view;
 use super::objects::{self, Objects};
 use super::shot::{Shot, ShotTables};
 use super::spec::{FileSpec, MeshSpec, ShotSpec};
+use super::take::{FEW_STEPS, Take};
 use crate::{Scene, SceneBuilder};
 
 /// What a user wants otherwise than a scene file or model says.
@@ -25,6 +26,8 @@ pub struct Wishes {
     pub bounces: Option<u32>,
     /// Metres in one unit of a model file; 1 without.
     pub metres_per_unit: Option<f64>,
+    /// How many frames the shutter is open, about each frame; what a shot says without.
+    pub shutter: Option<f64>,
 }
 
 /// A scene and its shots, from a TOML file.
@@ -36,16 +39,8 @@ pub struct SceneFile {
     fingerprint: u32,
     base: Option<Shot>,
     shots: BTreeMap<String, Shot>,
-    animated: BTreeMap<String, Animated>,
+    takes: BTreeMap<String, Take>,
     warnings: Vec<String>,
-}
-
-/// A shot that moves.
-#[derive(Debug, Clone)]
-struct Animated {
-    description: String,
-    tables: ShotTables,
-    animation: Animation,
 }
 
 impl SceneFile {
@@ -80,37 +75,34 @@ impl SceneFile {
             return Err(FileError::Version { path: path.into(), found: spec.format });
         }
         let reader = Reader { path, text, spec: &spec };
+        let take = |description: &str, tables: ShotTables, animation: Option<Animation>| {
+            let (description, metres_per_unit) = (description.to_owned(), spec.metres_per_unit);
+            Take { description, tables, animation, metres_per_unit, shutter: wishes.shutter }
+        };
         let tables = ShotTables { camera: spec.camera.clone(), lens: spec.lens.clone(), film: spec.film.clone() };
         let base = if tables.is_given() {
-            let shot = tables.resolve(&spec.description, spec.metres_per_unit);
+            let shot = take(&spec.description, tables.clone(), None).still();
             Some(shot.map_err(|fault| reader.part("[camera], [lens], [film]", &fault))?)
         } else {
             None
         };
-        let (mut shots, mut animated) = (BTreeMap::new(), BTreeMap::new());
+        let (mut shots, mut takes) = (BTreeMap::new(), BTreeMap::new());
         for (name, shot) in &spec.shots {
             let part = format!("[shots.{name}]");
             let (tables, animation) = reader.shot_tables(shot, &tables)?;
             let animation = animation.map_err(|fault| reader.part(&part, &fault))?;
-            let resolved = match animation {
-                None => tables.resolve(&shot.description, spec.metres_per_unit),
-                Some(animation) => {
-                    let moving = Animated { description: shot.description.clone(), tables, animation };
-                    // Every frame must be one: find out now, not in the middle of the night
-                    for frame in moving.animation.frames() {
-                        let resolved = moving.at(frame, spec.metres_per_unit);
-                        resolved.map_err(|fault| reader.part(&format!("{part}, frame {frame}"), &fault))?;
-                    }
-                    let first = moving.at(*moving.animation.frames().start(), spec.metres_per_unit);
-                    animated.insert(name.clone(), moving);
-                    first
-                }
-            };
-            shots.insert(name.clone(), resolved.map_err(|fault| reader.part(&part, &fault))?);
+            let taken = take(&shot.description, tables, animation);
+            // Every frame must be one: find out now, not in the middle of the night
+            for frame in taken.frames().into_iter().flatten() {
+                let resolved = taken.in_steps(frame as f64, FEW_STEPS);
+                resolved.map_err(|fault| reader.part(&format!("{part}, frame {frame}"), &fault))?;
+            }
+            shots.insert(name.clone(), taken.still().map_err(|fault| reader.part(&part, &fault))?);
+            takes.insert(name.clone(), taken);
         }
         let (scene, fingerprint, warnings) = reader.scene(wishes)?;
         let description = spec.description.clone();
-        Ok(Self { path: path.into(), description, scene, fingerprint, base, shots, animated, warnings })
+        Ok(Self { path: path.into(), description, scene, fingerprint, base, shots, takes, warnings })
     }
 
     /// A scene that is no TOML.
@@ -121,7 +113,7 @@ impl SceneFile {
         base: Option<Shot>,
         shots: BTreeMap<String, Shot>,
     ) -> Self {
-        Self { path: path.into(), description, scene, fingerprint, base, shots, animated: BTreeMap::new(), warnings }
+        Self { path: path.into(), description, scene, fingerprint, base, shots, takes: BTreeMap::new(), warnings }
     }
 
     /// What was wrong with the files but could be lived with, a sentence each.
@@ -136,10 +128,16 @@ impl SceneFile {
         &self.description
     }
 
-    /// The scene.
+    /// The scene; what moves in it stands as in frame 0.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The scene as it is while a shot is taken.
+    #[must_use]
+    pub fn scene_of(&self, shot: &Shot) -> Scene {
+        self.scene.exposed(&shot.exposure)
     }
 
     /// A checksum of the scene, shots, cameras and comments aside: scenes that differ have different ones, but for one in
@@ -149,19 +147,32 @@ impl SceneFile {
         self.fingerprint
     }
 
-    /// The frames of a shot that moves, from its first key to its last.
+    /// The same of the scene while a shot is taken: where something moves its exposure counts too.
     #[must_use]
-    pub fn frames(&self, shot: &str) -> Option<RangeInclusive<i64>> {
-        Some(self.animated.get(shot)?.animation.frames())
+    pub fn fingerprint_of(&self, shot: &Shot) -> u32 {
+        if self.scene.frames().is_none() && !shot.exposure.moves_camera() {
+            return self.fingerprint;
+        }
+        let mut fingerprint = crc32fast::Hasher::new();
+        fingerprint.update(format!("{} {:?}", self.fingerprint, shot.exposure).as_bytes());
+        fingerprint.finalize()
     }
 
-    /// A shot in one of its frames; before its first key and after its last it stands still, and one without keys always
-    /// does.
+    /// The frames of a shot that moves, from its first key to its last; of one whose camera stands still those of the things
+    /// that move.
+    #[must_use]
+    pub fn frames(&self, shot: &str) -> Option<RangeInclusive<i64>> {
+        let of_things = || self.scene.frames().map(|[first, last]| first.floor() as i64..=last.ceil() as i64);
+        self.takes.get(shot)?.frames().or_else(of_things)
+    }
+
+    /// A shot in one of its frames; before its first key and after its last its camera stands still, and that of one without
+    /// keys always does.
     pub fn shot_at(&self, name: &str, frame: i64) -> Result<Shot, FileError> {
-        let Some(moving) = self.animated.get(name) else { return self.shot(Some(name)).cloned() };
+        let Some(take) = self.takes.get(name) else { return self.shot(Some(name)).cloned() };
         let part = format!("[shots.{name}], frame {frame}");
         let fault = |fault: Fault| FileError::Part { path: self.path.clone(), part, message: fault.to_string() };
-        moving.at(frame, self.scene.metres_per_unit()).map_err(fault)
+        take.at(frame as f64).map_err(fault)
     }
 
     /// The shots by name; of one that moves the first frame.
@@ -181,12 +192,6 @@ impl SceneFile {
             name: name.unwrap_or("(the file's own camera)").to_owned(),
             known: names(&self.shots),
         })
-    }
-}
-
-impl Animated {
-    fn at(&self, frame: i64, metres_per_unit: Option<f64>) -> Result<Shot, Fault> {
-        self.animation.over(&self.tables, frame)?.resolve(&self.description, metres_per_unit)
     }
 }
 

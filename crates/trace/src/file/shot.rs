@@ -5,6 +5,7 @@ use optics::{ApertureShape, Camera, Film, Focus, Iris, Nakane, Pose, ThinLens};
 
 use super::error::Fault;
 use super::spec::{ApertureSpec, CameraSpec, FilmSpec, FocusSpec, IrisSpec, LensSpec, ShiftSpec, WindowSpec};
+use crate::Exposure;
 
 /// One picture to take of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +16,8 @@ pub struct Shot {
     pub camera: Camera,
     /// The lens behind it, in scene units; unknown where the file gives a bare plane of focus.
     pub lens: Option<ThinLens>,
+    /// When its shutter is open, and how the camera moves meanwhile; the camera above is that of the middle.
+    pub exposure: Exposure,
 }
 
 /// The three tables that make a shot.
@@ -31,7 +34,7 @@ impl ShotTables {
         self.camera.position.is_some() || self.film.size.is_some()
     }
 
-    /// The shot; `metres_per_unit` is needed where millimetres are given.
+    /// The shot, as its shutter is not open any time; `metres_per_unit` is needed where millimetres are given.
     pub(crate) fn resolve(&self, description: &str, metres_per_unit: Option<f64>) -> Result<Shot, Fault> {
         let pose = pose(&self.camera)?;
         let millimetre = metres_per_unit.map(|metres| 1e-3 / metres);
@@ -48,7 +51,7 @@ impl ShotTables {
                 "a corner of the picture looks at the iris edge-on; tilt less, shift less or narrow the window",
             );
         }
-        Ok(Shot { description: description.to_owned(), camera, lens })
+        Ok(Shot { description: description.to_owned(), camera, lens, exposure: Exposure::default() })
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 use toml::Spanned;
 
+pub(crate) use super::shutter::ShutterSpec;
 use super::triple::Triple;
 
 /// The whole file.
@@ -65,6 +66,10 @@ pub(crate) struct GlassSpec {
     pub(crate) ior: Option<f32>,
     #[serde(default)]
     pub(crate) thin: bool,
+    #[serde(default)]
+    pub(crate) roughness: f32,
+    pub(crate) attenuation_color: Option<Triple>,
+    pub(crate) attenuation_distance: Option<f32>,
 }
 
 /// Light from all directions, out of a picture.
@@ -125,7 +130,7 @@ pub(crate) struct MeshSpec {
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub(crate) enum LightSpec {
     Ambient { strength: Triple },
-    Sun { toward: [f64; 3], strength: Triple },
+    Sun { toward: [f64; 3], strength: Triple, size_deg: Option<f64> },
     Point { at: [f64; 3], strength: Triple },
     Spot { at: [f64; 3], look_at: [f64; 3], strength: Triple, inner_deg: f64, outer_deg: f64 },
 }
@@ -139,6 +144,18 @@ pub(crate) struct ObjectSpec {
     pub(crate) material: Option<Spanned<String>>,
     pub(crate) placements: Option<Vec<Spanned<PlacementSpec>>>,
     pub(crate) scatter: Option<Spanned<ScatterSpec>>,
+    pub(crate) moves: Option<Spanned<Vec<MoveSpec>>>,
+    pub(crate) ease: Option<EaseSpec>,
+}
+
+/// Where something is in a frame.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MoveSpec {
+    pub(crate) frame: f64,
+    pub(crate) translate: Option<[f64; 3]>,
+    pub(crate) rotate_deg: Option<[f64; 3]>,
+    pub(crate) scale: Option<Triple>,
 }
 
 /// A part of a group, placed in it.
@@ -167,12 +184,14 @@ pub(crate) struct ScatterSpec {
     pub(crate) spacing: f64,
 }
 
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlacementSpec {
     pub(crate) translate: Option<[f64; 3]>,
     pub(crate) rotate_deg: Option<[f64; 3]>,
     pub(crate) scale: Option<Triple>,
+    pub(crate) moves: Option<Spanned<Vec<MoveSpec>>>,
+    pub(crate) ease: Option<EaseSpec>,
 }
 
 /// A sparse override of the file's camera, lens and film, or of another shot's.
@@ -241,6 +260,8 @@ sparse_table!(
         up: [f64; 3],
         right: [f64; 3],
         forward: [f64; 3],
+        frame: f64,
+        shutter: ShutterSpec,
     }
 );
 

@@ -34,6 +34,36 @@ pub struct Hit {
     pub(crate) primitive: PrimitiveId,
     /// Weights of a triangle's second and third corner; 0 of a shape.
     pub(crate) weights: [f32; 2],
+    /// The moving thing that it belongs to, or [`SurfaceId::STILL`].
+    pub(crate) mover: u32,
+    /// When it was met, 0 to 1 from opening to closing of the shutter.
+    pub(crate) time: f32,
+}
+
+impl Hit {
+    /// Which surface it is a point of.
+    pub(crate) fn id(&self) -> SurfaceId {
+        SurfaceId { mover: self.mover, primitive: self.primitive }
+    }
+}
+
+/// Names a surface: a primitive of all that stands still, or of a moving thing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct SurfaceId {
+    pub(crate) mover: u32,
+    pub(crate) primitive: PrimitiveId,
+}
+
+impl SurfaceId {
+    /// In place of the number of a moving thing.
+    pub(crate) const STILL: u32 = u32::MAX;
+    /// The name of nothing.
+    pub(crate) const NONE: Self = Self { mover: Self::STILL, primitive: Geometry::NO_PRIMITIVE };
+
+    /// Its name among the primitives of a moving thing, or of what stands still; that of nothing if it is none of those.
+    pub(crate) fn within(self, mover: u32) -> PrimitiveId {
+        if self.mover == mover { self.primitive } else { Geometry::NO_PRIMITIVE }
+    }
 }
 
 /// Triangles and bounded shapes in one tree, infinite planes beside it.
@@ -170,14 +200,17 @@ impl Geometry {
         if primitive & Self::SHAPE != 0 {
             let shape = &self.shapes[(primitive & !Self::SHAPE) as usize];
             let (t, normal) = shape.hit(ray, f64::INFINITY)?;
-            return Some(Hit { t, point: ray.at(t), normal, material: shape.material, primitive, weights: [0.0; 2] });
+            let (point, material) = (ray.at(t), shape.material);
+            let (mover, time) = (SurfaceId::STILL, ray.time);
+            return Some(Hit { t, point, normal, material, primitive, weights: [0.0; 2], mover, time });
         }
         let Triangle { corners, material } = self.triangle(primitive);
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         // Weights that sum to 1 in double precision keep the point in the triangle's plane
         let point = a + f64::from(found.v) * (b - a) + f64::from(found.w) * (c - a);
         let normal = (b - a).cross(c - a).normalize_or(DVec3::Y);
-        Some(Hit { t: f64::from(found.t), point, normal, material, primitive, weights: [found.v, found.w] })
+        let (t, weights) = (f64::from(found.t), [found.v, found.w]);
+        Some(Hit { t, point, normal, material, primitive, weights, mover: SurfaceId::STILL, time: ray.time })
     }
 
     /// A triangle by its name.
@@ -331,7 +364,7 @@ mod tests {
             for triangle in &triangles {
                 let [a, b, c] = triangle.corners;
                 for target in [a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.25 * a + 0.75 * c] {
-                    let ray = Ray { origin, direction: target - origin };
+                    let ray = Ray::single(origin, target - origin);
                     assert!(geometry.hit(&ray).is_some(), "{ray:?} left the ball");
                 }
             }

@@ -140,7 +140,7 @@ fn no_packet_slips_between_triangles_that_share_an_edge() {
                 let [a, b, c] = triangle.corners;
                 [a, 0.5 * (a + b), 0.25 * a + 0.75 * c, b]
             })
-            .map(|target| Ray { origin: eye, direction: target - eye })
+            .map(|target| Ray::single(eye, target - eye))
             .collect();
         for mut packet in packets(&rays) {
             dispatch!(geometry.level, simd => {
@@ -159,7 +159,7 @@ fn equal_triangles_are_told_apart_in_the_same_way_by_all() {
     // Twenty copies of one triangle, in different leaves: the one with the lowest name wins
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let geometry = Geometry::new(vec![Triangle { corners, material: 0 }; 20], Vec::new()).unwrap();
-    let ray = Ray { origin: Vec3::new(0.2, 0.3, 5.0), direction: Vec3::NEG_Z };
+    let ray = Ray::single(Vec3::new(0.2, 0.3, 5.0), Vec3::NEG_Z);
     let hit = geometry.hit(&ray).unwrap();
     assert_eq!(hit.primitive, 0);
     assert_eq!(Some(hit), geometry.hit_by_search(&ray));

@@ -76,13 +76,14 @@ impl LayeredFrame {
 /// centre the next surface that at least one of 48 points of the camera's own iris sees, alpha 1, or nothing, alpha 0 and depth
 /// unknown. Its colour is the average of those samples of the pixel that hit the same surface. Back faces, and so the insides
 /// of solids, are left out. Where mirrors or glass show images the frame has their [`optical_depth`] too. Every ray is
-/// traced; no blur size is computed.
+/// traced; no blur size is computed. Where things or the camera move, all layers, colours too, are those of the exposure's middle.
 pub fn layers(
     scene: &Scene,
     camera: &Camera,
     settings: &LayerSettings,
     progress: &dyn Progress,
 ) -> Result<LayeredFrame, RenderError> {
+    let scene = &scene.stopped();
     // Find out how much is needed around the picture
     let display = PixelWindow::of_size(camera.film.width(), camera.film.height());
     let needed_margin = margin::needed(scene, camera);

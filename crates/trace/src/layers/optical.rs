@@ -22,7 +22,7 @@ const STEP: f64 = 2e-3;
 /// is the depth of the first surface, +inf where there is none.
 #[must_use]
 pub fn optical_depth(scene: &Scene, camera: &Camera, window: PixelWindow) -> Plane {
-    let pinhole = camera.pinhole();
+    let (scene, pinhole) = (&scene.stopped(), camera.pinhole());
     let mut depths = Plane::filled(window, f32::INFINITY);
     depths.values_mut().par_chunks_mut(window.width.max(1) as usize).enumerate().for_each(|(row, depths)| {
         for (column, depth) in depths.iter_mut().enumerate() {

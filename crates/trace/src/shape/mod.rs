@@ -91,13 +91,17 @@ impl PlacedShape {
         Some((t, normal.normalize()))
     }
 
-    /// The box around it in the world, `None` if it is infinite.
-    pub(crate) fn bounds(&self) -> Option<Bounds> {
+    /// The corners of a box around it in the world, `None` if it is infinite.
+    pub(crate) fn corners(&self) -> Option<[DVec3; 8]> {
         let (low, high) = self.shape.local_bounds()?;
-        let corners = [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: usize| {
+        Some([0, 1, 2, 3, 4, 5, 6, 7].map(|corner: usize| {
             let pick = |bit: usize, axis: usize| if corner >> bit & 1 == 1 { high[axis] } else { low[axis] };
             self.world_from_local.transform_point3(DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2)))
-        });
-        Some(Bounds::around_exact(&corners))
+        }))
+    }
+
+    /// The box around it in the world, `None` if it is infinite.
+    pub(crate) fn bounds(&self) -> Option<Bounds> {
+        Some(Bounds::around_exact(&self.corners()?))
     }
 }

@@ -11,9 +11,10 @@ use super::microfacet::Ggx;
 const STEPS: usize = 32;
 /// Directions that an entry is the mean of, along each of two axes.
 const SAMPLES: usize = 24;
+const MORE_SAMPLES: usize = 64;
 
 /// Reflected share by roughness and direction.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(crate) struct Albedo {
     shares: Vec<f32>,
     /// Mean over directions by roughness, weighted by the cosine.
@@ -27,26 +28,46 @@ static USUAL: LazyLock<Arc<Albedo>> =
 /// Of facets that reflect everything: what is missing was reflected again between them.
 pub(crate) static PERFECT: LazyLock<Albedo> = LazyLock::new(|| Albedo::new(|_| 1.0));
 
+impl std::fmt::Debug for Albedo {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Albedo")
+    }
+}
+
 impl Albedo {
     /// Of facets that reflect a share by the cosine to their own normal.
     fn new(fresnel: impl Fn(f32) -> f32) -> Self {
+        Self::of(SAMPLES, &fresnel, &|ggx, o, u| {
+            let i = ggx.sample(o, u);
+            if i.z <= 0.0 {
+                return 0.0;
+            }
+            ggx.weight(o, i) * fresnel(o.dot((o + i).normalize()).clamp(0.0, 1.0))
+        })
+    }
+
+    /// Of facets that keep a share of what they are sent, by facets, direction and the place of a sample; smooth ones keep all.
+    pub(crate) fn from_shares(share: impl Fn(Ggx, Vec3, Vec2) -> f32) -> Self {
+        // Where all light is reflected, beyond an angle, a jump takes more directions
+        Self::of(MORE_SAMPLES, &|_| 1.0, &share)
+    }
+
+    /// From the share of a smooth surface by cosine, and that of a sample of a rough one.
+    fn of(samples: usize, smooth: &dyn Fn(f32) -> f32, sample: &dyn Fn(Ggx, Vec3, Vec2) -> f32) -> Self {
         let share = |row: usize, column: usize| {
             let alpha = (row as f32 / (STEPS - 1) as f32).powi(2);
             let cosine = (column as f32 / (STEPS - 1) as f32).powi(2).max(1e-4);
             if row == 0 {
-                return fresnel(cosine);
+                return smooth(cosine);
             }
             let ggx = Ggx::new(alpha);
             let o = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
             let mut sum = 0.0;
-            for k in 0..SAMPLES * SAMPLES {
-                let place = Vec2::new((k % SAMPLES) as f32, (k / SAMPLES) as f32);
-                let i = ggx.sample(o, (place + 0.5) / SAMPLES as f32);
-                if i.z > 0.0 {
-                    sum += ggx.weight(o, i) * fresnel(o.dot((o + i).normalize()).clamp(0.0, 1.0));
-                }
+            for k in 0..samples * samples {
+                let place = Vec2::new((k % samples) as f32, (k / samples) as f32);
+                sum += sample(ggx, o, (place + 0.5) / samples as f32);
             }
-            sum / (SAMPLES * SAMPLES) as f32
+            sum / (samples * samples) as f32
         };
         let shares = (0..STEPS * STEPS).map(|k| share(k / STEPS, k % STEPS)).collect();
         let mut albedo = Self { shares, means: Vec::new() };

@@ -11,8 +11,12 @@ use super::albedo::{Albedo, PERFECT};
 use super::fresnel;
 use super::microfacet::Ggx;
 
+mod rough_glass;
+
+pub(crate) use rough_glass::RoughGlass;
+
 /// Below this roughness a surface is a mirror: its lobe would be narrower than 0.06 degrees.
-const SMOOTH: f32 = 0.03;
+pub(crate) const SMOOTH: f32 = 0.03;
 
 /// One way that light takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +40,8 @@ pub(crate) enum Bsdf<'a> {
     Glossy(Glossy<'a>),
     /// A smooth boundary; `eta` is the index beyond it over that on this side.
     Glass { tint: Vec3, eta: f32, thin: bool },
+    /// A rough boundary.
+    RoughGlass(RoughGlass<'a>),
 }
 
 /// Metallic-roughness as of glTF 2.0 (appendix B), made to lose and gain no energy.
@@ -58,6 +64,7 @@ impl Bsdf<'_> {
             Self::Matte(_) => false,
             Self::Glossy(glossy) => glossy.is_smooth() && glossy.metallic >= 1.0,
             Self::Glass { .. } => true,
+            Self::RoughGlass(_) => false,
         }
     }
 
@@ -66,31 +73,39 @@ impl Bsdf<'_> {
         match self {
             Self::Matte(color) => *color,
             Self::Glossy(glossy) => glossy.base(o) * (1.0 - glossy.coat.mean(glossy.roughness)),
-            Self::Glass { .. } => Vec3::ZERO,
+            Self::Glass { .. } | Self::RoughGlass(_) => Vec3::ZERO,
         }
     }
 
-    /// Share of light from `i` that goes to `o`, times the cosine of `i`; smooth parts aside.
+    /// Share of light from `i` that goes to `o`, times the cosine of `i`; smooth parts aside. Rough glass lets through what comes
+    /// from below.
     pub(crate) fn share(&self, o: Vec3, i: Vec3) -> Vec3 {
-        if i.z <= 0.0 || o.z <= 0.0 {
+        if self.is_dark(o, i) {
             return Vec3::ZERO;
         }
         match self {
             Self::Matte(color) => *color * (FRAC_1_PI * i.z),
             Self::Glossy(glossy) => glossy.share(o, i),
             Self::Glass { .. } => Vec3::ZERO,
+            Self::RoughGlass(glass) => glass.share(o, i),
         }
+    }
+
+    /// Whether nothing can come to `o` from `i`: it looks at the back, or `i` is there and nothing is let through.
+    fn is_dark(&self, o: Vec3, i: Vec3) -> bool {
+        o.z <= 0.0 || i.z == 0.0 || i.z < 0.0 && !matches!(self, Self::RoughGlass(_))
     }
 
     /// Density of [`Self::sample`] per solid angle, smooth parts aside.
     pub(crate) fn pdf(&self, o: Vec3, i: Vec3) -> f32 {
-        if i.z <= 0.0 || o.z <= 0.0 {
+        if self.is_dark(o, i) {
             return 0.0;
         }
         match self {
             Self::Matte(_) => FRAC_1_PI * i.z,
             Self::Glossy(glossy) => glossy.pdf(o, i),
             Self::Glass { .. } => 0.0,
+            Self::RoughGlass(glass) => glass.pdf(o, i),
         }
     }
 
@@ -103,6 +118,7 @@ impl Bsdf<'_> {
             }
             Self::Glossy(glossy) => glossy.sample(o, lobe, u),
             Self::Glass { tint, eta, thin } => Some(glass(*tint, *eta, *thin, o, lobe)),
+            Self::RoughGlass(glass) => glass.sample(o, lobe, u),
         }
     }
 }
@@ -177,9 +193,8 @@ impl Glossy<'_> {
 
 /// Reflected or refracted by chance, as Fresnel says. Radiance grows with the square of the index it enters.
 fn glass(tint: Vec3, eta: f32, thin: bool, o: Vec3, lobe: f32) -> Scattered {
-    let once = fresnel::dielectric(o.z.min(1.0), eta);
-    // A sheet reflects to and fro inside: R + T R T + T R^3 T + ...
-    let reflected = if thin && once < 1.0 { 2.0 * once / (1.0 + once) } else { once };
+    let share = if thin { fresnel::sheet } else { fresnel::dielectric };
+    let reflected = share(o.z.min(1.0), eta);
     if lobe < reflected {
         let direction = Vec3::new(-o.x, -o.y, o.z);
         return Scattered { direction, weight: Vec3::ONE, pdf: 0.0, spread: 0.0 };

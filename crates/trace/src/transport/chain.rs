@@ -2,9 +2,9 @@
 
 use glam::{DVec3, Vec2};
 
-use super::bsdf::Bsdf;
+use super::bsdf::{Bsdf, RoughGlass};
 use super::{Footprint, fresnel};
-use crate::geometry::PrimitiveId;
+use crate::geometry::SurfaceId;
 use crate::{Hit, Ray, Scene};
 
 /// Metals up to this roughness show images.
@@ -24,7 +24,7 @@ pub(crate) enum Bent {
 /// The surfaces that bend a ray, and where it ends.
 #[derive(Debug, Clone)]
 pub(crate) struct Chain {
-    steps: Vec<(PrimitiveId, bool)>,
+    steps: Vec<(SurfaceId, bool)>,
     pub(crate) end: Bent,
 }
 
@@ -33,7 +33,10 @@ fn shows_through(bsdf: &Bsdf<'_>, cosine: f32) -> Option<bool> {
     match bsdf {
         Bsdf::Matte(_) => None,
         Bsdf::Glossy(glossy) => (glossy.metallic > 0.5 && glossy.roughness <= MIRROR).then_some(false),
-        Bsdf::Glass { eta, .. } => Some(fresnel::dielectric(cosine, *eta) < 0.5),
+        Bsdf::RoughGlass(glass) if glass.roughness > MIRROR => None,
+        Bsdf::RoughGlass(RoughGlass { eta, .. }) | Bsdf::Glass { eta, .. } => {
+            Some(fresnel::dielectric(cosine, *eta) < 0.5)
+        }
     }
 }
 
@@ -47,14 +50,18 @@ fn bent(scene: &Scene, hit: &Hit, direction: DVec3, choice: Option<bool>) -> Opt
         None => shows_through(&point.bsdf, o.z)?,
     };
     let local = if through {
-        // A lobe of 1 never reflects what Fresnel lets through
-        point.bsdf.sample(o, 1.0, Vec2::ZERO)?.direction
+        // A lobe of 1 never reflects what Fresnel lets through; where glass is a little rough its middle counts
+        let smooth = match point.bsdf {
+            Bsdf::RoughGlass(RoughGlass { tint, eta, thin, .. }) => Bsdf::Glass { tint, eta, thin },
+            bsdf => bsdf,
+        };
+        smooth.sample(o, 1.0, Vec2::ZERO)?.direction
     } else {
         glam::Vec3::new(-o.x, -o.y, o.z)
     };
     let next = point.to_world(local);
     let side = if next.dot(point.outward) > 0.0 { point.outward } else { -point.outward };
-    Some((through, Ray::leaving(hit.point, side, next)))
+    Some((through, Ray::leaving(hit.point, side, next).timed(hit.time)))
 }
 
 impl Chain {
@@ -76,8 +83,8 @@ impl Chain {
             if steps.len() == MOST {
                 return None;
             }
-            steps.push((at.primitive, through));
-            hit = scene.hit_from(&next, at.primitive);
+            steps.push((at.id(), through));
+            hit = scene.hit_from(&next, at.id());
             ray = next;
         }
     }
@@ -86,11 +93,11 @@ impl Chain {
     /// one of them.
     pub(crate) fn same_way(&self, scene: &Scene, ray: &Ray) -> Option<Bent> {
         let mut ray = *ray;
-        let mut from = crate::geometry::Geometry::NO_PRIMITIVE;
-        for &(primitive, through) in &self.steps {
-            let hit = scene.hit_from(&ray, from).filter(|hit| hit.primitive == primitive)?;
+        let mut from = SurfaceId::NONE;
+        for &(id, through) in &self.steps {
+            let hit = scene.hit_from(&ray, from).filter(|hit| hit.id() == id)?;
             ray = bent(scene, &hit, ray.direction.as_dvec3(), Some(through))?.1;
-            from = primitive;
+            from = id;
         }
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         match self.end {

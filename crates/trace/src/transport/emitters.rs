@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::geometry::{Geometry, PrimitiveId};
+use crate::geometry::{Geometry, PrimitiveId, SurfaceId};
 use crate::shape::PlacedShape;
-use crate::{Hit, Shape};
+use crate::{Hit, Ray, Shape};
 
 /// A surface whose points can be chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,14 +93,16 @@ impl Emitters {
         let emitter = self.list.get(number.min(self.list.len() - 1))?;
         let (point, normal, weights) = emitter.outline.point(from, u)?;
         let material = emitter.material;
-        let hit = Hit { t: 1.0, point, normal, material, primitive: emitter.primitive, weights };
+        let (primitive, mover, time) = (emitter.primitive, SurfaceId::STILL, Ray::MIDDLE);
+        let hit = Hit { t: 1.0, point, normal, material, primitive, weights, mover, time };
         let pdf = emitter.chance * emitter.outline.pdf(from, point, normal);
         (pdf > 0.0 && pdf.is_finite()).then_some(Chosen { hit, pdf })
     }
 
     /// Density of [`Self::sample`] per solid angle at a point that was hit; 0 where it cannot be chosen.
     pub(super) fn pdf(&self, from: DVec3, hit: &Hit) -> f64 {
-        let Some(&number) = self.number.get(&hit.primitive) else { return 0.0 };
+        let still = hit.id().within(SurfaceId::STILL);
+        let Some(&number) = self.number.get(&still) else { return 0.0 };
         let emitter = &self.list[number as usize];
         emitter.chance * emitter.outline.pdf(from, hit.point, hit.normal)
     }

@@ -15,6 +15,12 @@ pub(crate) fn dielectric(cosine: f32, eta: f32) -> f32 {
     (0.5 * (parallel * parallel + crossed * crossed)).min(1.0)
 }
 
+/// The same of a sheet, which reflects to and fro inside: R + T R T + T R^3 T + ...
+pub(crate) fn sheet(cosine: f32, eta: f32) -> f32 {
+    let once = dielectric(cosine, eta);
+    if once < 1.0 { 2.0 * once / (1.0 + once) } else { once }
+}
+
 /// Schlick's approximation for a metal: F0 + (1 - F0) (1 - cos)^5.
 pub(crate) fn schlick(f0: Vec3, cosine: f32) -> Vec3 {
     f0 + (Vec3::ONE - f0) * (1.0 - cosine.clamp(0.0, 1.0)).powi(5)

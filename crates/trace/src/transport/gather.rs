@@ -21,10 +21,12 @@ pub(crate) fn gather(
     seed: u64,
 ) {
     let corner = DVec2::new(f64::from(x), f64::from(y));
+    let is_timed = scene.is_timed();
+    let moves_camera = scene.exposure().moves_camera();
     let has_cat_eye = camera.iris.cat_eye() > 0.0;
     let footprint = Footprint::of_pixel(pixel_size(camera));
     for (half, (sum, wanted)) in sums.iter_mut().zip(wanted).enumerate() {
-        let sampler = Sampler::new(seed, x, y, half);
+        let sampler = Sampler::new(seed, x, y, half).timed(is_timed);
         let samples = sum.missing(wanted);
         sum.start(samples.start);
         for index in samples {
@@ -32,12 +34,14 @@ pub(crate) fn gather(
             let attempts = if has_cat_eye { MAX_ATTEMPTS } else { 0 };
             let others = (1..=attempts).map(|attempt| sampler.other_lens(index, attempt));
             let Sample { pixel, lens } = sampler.sample(index);
-            let q = camera.film.q_from_pixel(corner + pixel);
-            let radiance = match std::iter::once(lens).chain(others).find_map(|u| camera.world_ray(q, u, 0.0)) {
+            let time = sampler.time(index);
+            let now = if moves_camera { scene.camera(camera, time) } else { *camera };
+            let q = now.film.q_from_pixel(corner + pixel);
+            let radiance = match std::iter::once(lens).chain(others).find_map(|u| now.world_ray(q, u, time.into())) {
                 Some(ray) => {
                     let mut stream = Stream::new(&sampler, index, has_cat_eye);
                     let weight = ray.weight as f32;
-                    let ray = Ray::new(ray.origin, ray.direction);
+                    let ray = Ray::new(ray.origin, ray.direction).timed(time);
                     transport.radiance(scene, &ray, footprint, &mut stream) * weight
                 }
                 None => Vec3::ZERO,

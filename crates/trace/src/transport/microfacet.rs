@@ -20,7 +20,7 @@ impl Ggx {
     }
 
     /// Density of facets with a normal, per projected area.
-    fn density(self, h: Vec3) -> f32 {
+    pub(crate) fn density(self, h: Vec3) -> f32 {
         // alpha^2 cos^2 + sin^2, without cancellation
         let a2 = self.alpha * self.alpha;
         let t = a2 * h.z * h.z + h.x * h.x + h.y * h.y;
@@ -31,6 +31,11 @@ impl Ggx {
     fn lambda(self, w: Vec3) -> f32 {
         let tan2 = (w.x * w.x + w.y * w.y) / (w.z * w.z);
         0.5 * ((1.0 + self.alpha * self.alpha * tan2).sqrt() - 1.0)
+    }
+
+    /// Smith's G1: the share of facets that a direction sees of those that it would see without masking.
+    pub(crate) fn seen(self, w: Vec3) -> f32 {
+        1.0 / (1.0 + self.lambda(w))
     }
 
     /// D G2 / (4 cos o): what is reflected from `o` to `i` times cos i, but for Fresnel; both above the surface.
@@ -53,6 +58,12 @@ impl Ggx {
 
     /// A direction reflected by one of the facets that `o` sees; it may go below the surface.
     pub(crate) fn sample(self, o: Vec3, u: Vec2) -> Vec3 {
+        let h = self.facet(o, u);
+        (2.0 * o.dot(h) * h - o).normalize()
+    }
+
+    /// The normal of one of the facets that `o` sees.
+    pub(crate) fn facet(self, o: Vec3, u: Vec2) -> Vec3 {
         // Stretch to the hemisphere
         let stretched = Vec3::new(self.alpha * o.x, self.alpha * o.y, o.z).normalize();
         let across = stretched.x * stretched.x + stretched.y * stretched.y;
@@ -64,8 +75,7 @@ impl Ggx {
         let s = 0.5 * (1.0 + stretched.z);
         let p2 = (1.0 - s) * (1.0 - p1 * p1).max(0.0).sqrt() + s * r * phi.sin();
         let n = p1 * t1 + p2 * t2 + (1.0 - p1 * p1 - p2 * p2).max(0.0).sqrt() * stretched;
-        // Squeeze it back, and reflect
-        let h = Vec3::new(self.alpha * n.x, self.alpha * n.y, n.z.max(0.0)).normalize_or(Vec3::Z);
-        (2.0 * o.dot(h) * h - o).normalize()
+        // Squeeze it back
+        Vec3::new(self.alpha * n.x, self.alpha * n.y, n.z.max(0.0)).normalize_or(Vec3::Z)
     }
 }

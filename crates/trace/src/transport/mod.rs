@@ -6,6 +6,7 @@
 mod albedo;
 mod bsdf;
 mod chain;
+mod disc;
 mod emitters;
 mod environment;
 mod footprint;
@@ -15,6 +16,7 @@ mod microfacet;
 mod path;
 mod stream;
 mod surface;
+mod weighing;
 
 #[cfg(test)]
 mod tests;
@@ -23,14 +25,17 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use crate::geometry::{Geometry, PrimitiveId};
+use crate::geometry::{Geometry, SurfaceId};
 use crate::light::Cone;
-use crate::mesh_detail::Patch;
+use crate::mesh_detail::Patches;
 use crate::{Alpha, Finish, Hit, Ray, Scene};
-use albedo::Albedo;
+use albedo::{Albedo, PERFECT};
+use bsdf::{Bsdf, RoughGlass, SMOOTH};
 use emitters::Emitters;
+use weighing::Weighing;
 
 pub(crate) use chain::{Bent, Chain};
+pub(crate) use disc::Disc;
 pub use environment::Environment;
 pub(crate) use footprint::Footprint;
 pub(crate) use gather::{gather, pixel_size};
@@ -38,6 +43,13 @@ pub(crate) use stream::Stream;
 
 /// Surfaces with holes that a ray passes before it is given up.
 const MOST_HOLES: usize = 256;
+
+/// Whether glass is rough: hardly bent light is hardly scattered, and its density could not be told in single precision.
+fn is_rough(ior: f32, roughness: f32) -> bool {
+    /// Refractive index up to which glass is as good as air.
+    const AIR: f32 = 1.02;
+    roughness >= SMOOTH && ior >= AIR
+}
 
 /// A light at a point.
 #[derive(Debug, Clone, Copy)]
@@ -52,11 +64,10 @@ pub(crate) struct PointLight {
 pub(crate) struct Transport {
     /// One for each material.
     pub(crate) finishes: Vec<Finish>,
-    /// In the order of their triangles.
-    patches: Vec<Patch>,
-    /// The triangle behind each name.
-    triangle_of: Vec<u32>,
+    /// Of what stands still.
+    patches: Patches,
     pub(crate) points: Vec<PointLight>,
+    pub(crate) discs: Vec<Disc>,
     emitters: Emitters,
     environment: Option<Environment>,
     /// How often light goes from surface to surface.
@@ -64,17 +75,22 @@ pub(crate) struct Transport {
     /// Why it is needed, in words.
     reasons: Vec<String>,
     has_holes: bool,
+    /// Whether anything is a polished pane.
+    has_panes: bool,
     /// Coats by material; an index into the other.
     coat_of: Vec<usize>,
     coats: Vec<Arc<Albedo>>,
+    /// What rough glass keeps, from outside and from inside, by material.
+    panes: Vec<Option<Arc<[Albedo; 2]>>>,
+    weighing: Weighing,
 }
 
 /// What a builder knows of it.
 pub(crate) struct Parts {
     pub(crate) finishes: Vec<Finish>,
-    pub(crate) patches: Vec<Patch>,
-    pub(crate) triangle_of: Vec<u32>,
+    pub(crate) patches: Patches,
     pub(crate) points: Vec<PointLight>,
+    pub(crate) discs: Vec<Disc>,
     pub(crate) environment: Option<Environment>,
     pub(crate) bounces: u32,
     pub(crate) reasons: Vec<String>,
@@ -97,6 +113,22 @@ impl Transport {
             }
         }
 
+        let mut known: Vec<(f32, Arc<[Albedo; 2]>)> = Vec::new();
+        let panes = parts.finishes.iter().map(|finish| match finish.matter {
+            crate::Matter::Glass { ior, thin: false, roughness, .. }
+                if parts.bounces > 0 && is_rough(ior, roughness) =>
+            {
+                if let Some((_, pane)) = known.iter().find(|(other, _)| *other == ior) {
+                    return Some(Arc::clone(pane));
+                }
+                let pane = Arc::new([RoughGlass::kept(ior), RoughGlass::kept(1.0 / ior)]);
+                known.push((ior, Arc::clone(&pane)));
+                Some(pane)
+            }
+            _ => None,
+        });
+        let panes = panes.collect();
+
         // Ask surfaces for light only if it goes from one to another
         let emits = |material: u32| {
             let finish = &parts.finishes[material as usize];
@@ -104,21 +136,23 @@ impl Transport {
             emission[material as usize] * mean
         };
         let emitters = if parts.bounces > 0 {
-            let named = parts.triangle_of.iter().enumerate().filter(|(_, triangle)| **triangle != u32::MAX);
-            let triangles = named.map(|(primitive, _)| {
-                let triangle = geometry.triangle(primitive as PrimitiveId);
-                (primitive as PrimitiveId, triangle.material, triangle.corners)
+            let triangles = parts.patches.names().map(|primitive| {
+                let triangle = geometry.triangle(primitive);
+                (primitive, triangle.material, triangle.corners)
             });
             Emitters::new(triangles, geometry.shapes(), emits)
         } else {
             Emitters::default()
         };
+        let is_pane = |finish: &Finish| matches!(finish.matter, crate::Matter::Glass { thin: true, .. });
+        let has_panes = parts.bounces > 0 && parts.finishes.iter().any(is_pane);
         let has_holes = parts.finishes.iter().any(|finish| finish.alpha != Alpha::Opaque);
         Self {
             finishes: parts.finishes,
             patches: parts.patches,
-            triangle_of: parts.triangle_of,
             points: parts.points,
+            discs: parts.discs,
+            has_panes,
             emitters,
             environment: parts.environment,
             bounces: parts.bounces,
@@ -126,7 +160,23 @@ impl Transport {
             has_holes,
             coat_of,
             coats,
+            panes,
+            weighing: Weighing::default(),
         }
+    }
+
+    /// Polished glass, or rough glass where it is rough enough to be told from it.
+    fn glass(&self, tint: Vec3, (ior, thin, roughness): (f32, bool, f32), is_inside: bool, material: u32) -> Bsdf<'_> {
+        let eta = if is_inside && !thin { 1.0 / ior } else { ior };
+        let kept = match &self.panes[material as usize] {
+            Some(pane) => &pane[usize::from(is_inside)],
+            None if thin => &*PERFECT,
+            None => return Bsdf::Glass { tint, eta, thin },
+        };
+        if !is_rough(ior, roughness) {
+            return Bsdf::Glass { tint, eta, thin };
+        }
+        Bsdf::RoughGlass(RoughGlass { tint, eta, thin, roughness, kept })
     }
 
     /// How often light goes from surface to surface.
@@ -144,14 +194,6 @@ impl Transport {
         &self.reasons
     }
 
-    /// The placed mesh that a triangle belongs to, if that says anything of it, and the triangle's index.
-    fn patch(&self, primitive: PrimitiveId) -> Option<(&Patch, u32)> {
-        let triangle = self.triangle_of[primitive as usize];
-        let after = self.patches.partition_point(|patch| patch.range.start <= triangle);
-        let patch = &self.patches[after.checked_sub(1)?];
-        patch.range.contains(&triangle).then_some((patch, triangle))
-    }
-
     fn coat(&self, material: u32) -> &Albedo {
         &self.coats[self.coat_of[material as usize]]
     }
@@ -164,7 +206,7 @@ impl Transport {
     }
 
     /// The first surface on a ray but `skip` that is half opaque or more.
-    pub(crate) fn solid_hit(&self, scene: &Scene, ray: &Ray, skip: PrimitiveId) -> Option<Hit> {
+    pub(crate) fn solid_hit(&self, scene: &Scene, ray: &Ray, skip: SurfaceId) -> Option<Hit> {
         self.hit_unless(scene, ray, skip, |hit| self.alpha(scene, hit, 0.0) < 0.5)
     }
 
@@ -173,10 +215,10 @@ impl Transport {
         &self,
         scene: &Scene,
         ray: &Ray,
-        skip: PrimitiveId,
+        skip: SurfaceId,
         mut is_passed: impl FnMut(&Hit) -> bool,
     ) -> Option<Hit> {
-        let mut hit = scene.geometry.hit_skipping(ray, skip)?;
+        let mut hit = scene.first(ray, skip)?;
         if !self.has_holes || !is_passed(&hit) {
             return Some(hit);
         }
@@ -184,8 +226,8 @@ impl Transport {
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         for _ in 0..MOST_HOLES {
             let beyond = if hit.normal.dot(direction) < 0.0 { -hit.normal } else { hit.normal };
-            let rest = Ray::leaving(hit.point, beyond, direction);
-            hit = scene.geometry.hit_skipping(&rest, hit.primitive)?;
+            let rest = Ray::leaving(hit.point, beyond, direction).timed(ray.time);
+            hit = scene.first(&rest, hit.id())?;
             if !is_passed(&hit) {
                 hit.t = (hit.point - origin).dot(direction) / direction.length_squared();
                 return Some(hit);
@@ -194,15 +236,39 @@ impl Transport {
         None
     }
 
+    /// The same of light that comes from one point or direction: straight through polished panes too, through which no path would
+    /// ever meet it.
+    pub(crate) fn shining(&self, scene: &Scene, ray: &Ray, t_max: f64, skip: SurfaceId) -> Vec3 {
+        if !self.has_panes {
+            return Vec3::splat(self.passing(scene, ray, t_max, skip));
+        }
+        let mut share = Vec3::ONE;
+        let (mut ray, mut skip, mut rest) = (*ray, skip, t_max);
+        let direction = ray.direction.as_dvec3();
+        for _ in 0..MOST_HOLES {
+            let Some(hit) = scene.first(&ray, skip).filter(|hit| hit.t < rest) else { return share };
+            let alpha = self.alpha(scene, &hit, 0.0);
+            share *= Vec3::splat(1.0 - alpha) + alpha * self.through_pane(scene, &hit, direction);
+            if share.max_element() <= 0.0 {
+                return Vec3::ZERO;
+            }
+            let beyond = if hit.normal.dot(direction) < 0.0 { -hit.normal } else { hit.normal };
+            rest -= hit.t;
+            ray = Ray::leaving(hit.point, beyond, direction).timed(ray.time);
+            skip = hit.id();
+        }
+        Vec3::ZERO
+    }
+
     /// Share of the light that passes along a ray up to `t_max`, the triangle `skip` aside.
-    pub(crate) fn passing(&self, scene: &Scene, ray: &Ray, t_max: f64, skip: PrimitiveId) -> f32 {
+    pub(crate) fn passing(&self, scene: &Scene, ray: &Ray, t_max: f64, skip: SurfaceId) -> f32 {
         if !self.has_holes {
-            return if scene.geometry.is_blocked(ray, t_max, skip) { 0.0 } else { 1.0 };
+            return if scene.blocks(ray, t_max, skip) { 0.0 } else { 1.0 };
         }
         let mut share = 1.0;
         let (mut ray, mut skip, mut rest) = (*ray, skip, t_max);
         for _ in 0..MOST_HOLES {
-            let Some(hit) = scene.geometry.hit_skipping(&ray, skip).filter(|hit| hit.t < rest) else { return share };
+            let Some(hit) = scene.first(&ray, skip).filter(|hit| hit.t < rest) else { return share };
             share *= 1.0 - self.alpha(scene, &hit, 0.0);
             if share <= 0.0 {
                 return 0.0;
@@ -210,8 +276,8 @@ impl Transport {
             let direction = ray.direction.as_dvec3();
             let beyond = if hit.normal.dot(direction) < 0.0 { -hit.normal } else { hit.normal };
             rest -= hit.t;
-            ray = Ray::leaving(hit.point, beyond, direction);
-            skip = hit.primitive;
+            ray = Ray::leaving(hit.point, beyond, direction).timed(ray.time);
+            skip = hit.id();
         }
         0.0
     }

@@ -11,8 +11,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::surface::SurfacePoint;
 use super::{Footprint, Stream, Transport};
-use crate::geometry::Geometry;
-use crate::{Hit, MAX_RADIANCE, Ray, Scene};
+use crate::geometry::SurfaceId;
+use crate::{Absorption, Hit, MAX_RADIANCE, Ray, Scene};
 
 /// Where a shadow ray to a point of a surface ends, so that it does not meet that surface.
 const BEFORE: f64 = 1.0 - 1e-4;
@@ -26,6 +26,8 @@ struct Path<'a> {
     /// What light from here on counts.
     share: Vec3,
     radiance: Vec3,
+    /// What takes away light on the way, inside solid glass.
+    medium: Option<Absorption>,
     /// Where the last bounce was, and its density; `None` if the direction was given: by the camera, a mirror or glass.
     bounced: Option<(DVec3, f32)>,
 }
@@ -34,7 +36,7 @@ impl Transport {
     /// Radiance along a ray.
     pub(crate) fn radiance(&self, scene: &Scene, ray: &Ray, footprint: Footprint, stream: &mut Stream) -> Vec3 {
         let mut path = Path::new(scene, self, stream, footprint);
-        let first = path.meet(ray, Geometry::NO_PRIMITIVE);
+        let first = path.meet(ray, SurfaceId::NONE);
         path.follow(first, ray.direction.as_dvec3());
         path.counted()
     }
@@ -56,7 +58,16 @@ impl Transport {
 
 impl<'a> Path<'a> {
     fn new(scene: &'a Scene, transport: &'a Transport, stream: &'a mut Stream, footprint: Footprint) -> Self {
-        Self { scene, transport, stream, footprint, share: Vec3::ONE, radiance: Vec3::ZERO, bounced: None }
+        Self {
+            scene,
+            transport,
+            stream,
+            footprint,
+            share: Vec3::ONE,
+            radiance: Vec3::ZERO,
+            medium: None,
+            bounced: None,
+        }
     }
 
     /// What the sample counts: a radiance that a sum can hold, whatever light met at a point.
@@ -65,7 +76,7 @@ impl<'a> Path<'a> {
     }
 
     /// The next surface on a ray; of what is partly there, by chance.
-    fn meet(&mut self, ray: &Ray, skip: u32) -> Option<Hit> {
+    fn meet(&mut self, ray: &Ray, skip: SurfaceId) -> Option<Hit> {
         let (scene, transport) = (self.scene, self.transport);
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let (footprint, stream) = (self.footprint, &mut *self.stream);
@@ -83,9 +94,17 @@ impl<'a> Path<'a> {
             let Some(at) = hit else { return self.add_sky(direction) };
             let width = self.footprint.at(at.t);
             let point = self.transport.surface(self.scene, &at, direction, width);
+            // What is seen from inside of glass was seen through it, wherever the path came from
+            if let Some((true, inside)) = point.glass {
+                self.medium = inside;
+            }
+            if let Some(absorption) = self.medium {
+                self.share *= absorption.passing(at.t * direction.length());
+            }
             self.add_emission(&at, &point);
             let o = point.to_local(-direction);
             self.add_point_lights(&at, &point, o);
+            self.add_discs(&at, &point, o, bounce == self.transport.bounces);
             if bounce == self.transport.bounces {
                 return;
             }
@@ -106,10 +125,13 @@ impl<'a> Path<'a> {
             if self.share.max_element() <= 0.0 {
                 return;
             }
+            if let Some((is_inside, inside)) = point.glass.filter(|_| scattered.direction.z < 0.0) {
+                self.medium = if is_inside { None } else { inside };
+            }
             self.bounced = (scattered.pdf > 0.0).then_some((at.point, scattered.pdf));
             self.footprint = self.footprint.scattered(at.t, direction.length(), scattered.spread);
             let side = if is_above { point.outward } else { -point.outward };
-            hit = self.meet(&Ray::leaving(at.point, side, next), at.primitive);
+            hit = self.meet(&Ray::leaving(at.point, side, next).timed(at.time), at.id());
             direction = next;
         }
     }
@@ -120,11 +142,16 @@ impl<'a> Path<'a> {
         let weight = match (self.bounced, &self.transport.environment) {
             (Some((_, pdf)), Some(environment)) if !environment.is_dark() => {
                 let light = self.chance_of_environment() * environment.pdf(direction.normalize_or(DVec3::Y));
-                pdf / (pdf + light as f32)
+                self.transport.weighing.met(pdf, light as f32)
             }
             _ => 1.0,
         };
         self.radiance += self.share * radiance * weight;
+        let direction = direction.normalize_or(DVec3::Y);
+        for disc in self.transport.discs.iter().filter(|disc| disc.contains(direction)) {
+            let weight = self.bounced.map_or(1.0, |(_, pdf)| self.transport.weighing.met(pdf, disc.pdf() as f32));
+            self.radiance += self.share * disc.radiance * weight;
+        }
     }
 
     /// Adds what a surface emits.
@@ -135,7 +162,7 @@ impl<'a> Path<'a> {
         let weight = match self.bounced {
             Some((from, pdf)) => {
                 let light = (1.0 - self.chance_of_environment()) * self.transport.emitters.pdf(from, at);
-                pdf / (pdf + light as f32)
+                self.transport.weighing.met(pdf, light as f32)
             }
             None => 1.0,
         };
@@ -157,14 +184,12 @@ impl<'a> Path<'a> {
         let scene = self.scene;
         let mut sum = point.bsdf.diffuse(o) * scene.ambient;
         let mut add = |toward: DVec3, strength: Vec3, t_max: f64, direction: DVec3| {
-            if toward.dot(point.outward) <= 0.0 {
-                return;
-            }
+            let Some((i, side)) = seen_from(point, toward) else { return };
             // A strength of 1 is an irradiance of pi
-            let share = point.bsdf.share(o, point.to_local(toward)) * PI * strength;
+            let share = point.bsdf.share(o, i) * PI * strength;
             if share.max_element() > 0.0 {
-                let ray = scene.shadow_ray(at.point, point.outward, direction);
-                sum += share * self.transport.passing(scene, &ray, t_max, at.primitive);
+                let ray = scene.shadow_ray(at.point, side, direction).timed(at.time);
+                sum += share * self.transport.shining(scene, &ray, t_max, at.id());
             }
         };
         for &(toward, strength) in &scene.suns {
@@ -180,6 +205,25 @@ impl<'a> Path<'a> {
             }
         }
         self.radiance += self.share * sum;
+    }
+
+    /// Adds the light of suns that have a size; after the last bounce no path can meet them any more.
+    fn add_discs(&mut self, at: &Hit, point: &SurfacePoint<'_>, o: Vec3, is_last: bool) {
+        let transport = self.transport;
+        for disc in &transport.discs {
+            let [x, y, ..] = self.stream.four();
+            let toward = disc.sample(DVec2::new(x.into(), y.into()));
+            let Some((i, side)) = seen_from(point, toward) else { continue };
+            let share = point.bsdf.share(o, i) * disc.radiance;
+            if share.max_element() <= 0.0 {
+                continue;
+            }
+            let ray = self.scene.shadow_ray(at.point, side, toward).timed(at.time);
+            let passing = transport.passing(self.scene, &ray, f64::INFINITY, at.id());
+            let pdf = disc.pdf();
+            let weight = if is_last { 1.0 / pdf } else { transport.weighing.asked(pdf, point.bsdf.pdf(o, i).into()) };
+            self.radiance += self.share * share * (f64::from(passing) * weight) as f32;
+        }
     }
 
     /// Adds the light of one point of an emitting surface, or of one direction of the environment.
@@ -201,17 +245,37 @@ impl<'a> Path<'a> {
                 (toward, way, BEFORE, (1.0 - chance) * chosen.pdf, radiance)
             }
         };
-        if toward.dot(point.outward) <= 0.0 || pdf <= 0.0 {
-            return;
+        let Some((i, side)) = seen_from(point, toward).filter(|_| pdf > 0.0) else { return };
+        let mut share = point.bsdf.share(o, i) * radiance;
+        // Light from within glass loses on its way too
+        let beyond = match point.glass {
+            Some((is_inside, inside)) if i.z < 0.0 => {
+                if is_inside {
+                    None
+                } else {
+                    inside
+                }
+            }
+            _ => self.medium,
+        };
+        if let Some(absorption) = beyond.filter(|_| t_max.is_finite()) {
+            share *= absorption.passing(way.length());
         }
-        let i = point.to_local(toward);
-        let share = point.bsdf.share(o, i) * radiance;
         if share.max_element() <= 0.0 {
             return;
         }
-        let ray = Ray::leaving(at.point, point.outward, way);
-        let passing = self.transport.passing(self.scene, &ray, t_max, at.primitive);
-        let weight = 1.0 / (pdf + f64::from(point.bsdf.pdf(o, i)));
+        let ray = Ray::leaving(at.point, side, way).timed(at.time);
+        let passing = self.transport.passing(self.scene, &ray, t_max, at.id());
+        let weight = self.transport.weighing.asked(pdf, point.bsdf.pdf(o, i).into());
         self.radiance += self.share * share * (f64::from(passing) * weight) as f32;
     }
+}
+
+/// A unit direction as a surface sees it, and the normal on its side; `None` where bent normals put it on another side than
+/// the surface itself does.
+fn seen_from(point: &SurfacePoint<'_>, toward: DVec3) -> Option<(Vec3, DVec3)> {
+    let i = point.to_local(toward);
+    let height = toward.dot(point.outward);
+    let side = if height > 0.0 { point.outward } else { -point.outward };
+    ((height > 0.0) == (i.z > 0.0) && height != 0.0).then_some((i, side))
 }

@@ -20,7 +20,7 @@ pub(crate) struct Stream {
 impl Stream {
     /// What follows sample `index`. With `after_lens` the sets are left out of which the lens may have taken another point.
     pub(crate) fn new(sampler: &Sampler, index: u32, after_lens: bool) -> Self {
-        let set = if after_lens { 1 + MAX_ATTEMPTS / 2 } else { 1 };
+        let set = sampler.free_set() + if after_lens { MAX_ATTEMPTS / 2 } else { 0 };
         Self { scramble: sampler.scramble(), index, set, chances: 0 }
     }
 

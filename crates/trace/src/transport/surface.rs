@@ -1,12 +1,13 @@
 //! A point of a surface with all that its material and mesh say of it.
 
-use glam::{DVec3, Mat3, Vec2, Vec3, Vec4};
+use glam::{DMat3, DVec3, Mat3, Vec2, Vec3, Vec4};
 
 use super::Transport;
 use super::bsdf::{Bsdf, Glossy};
-use crate::geometry::Geometry;
-use crate::mesh_detail::Corners;
-use crate::{Alpha, Hit, Material, Matter, Scene, TextureMap};
+use super::fresnel;
+use crate::geometry::{Geometry, SurfaceId};
+use crate::mesh_detail::{Corners, Patches};
+use crate::{Absorption, Alpha, Hit, Material, Matter, Scene, TextureMap};
 
 /// A point seen along a ray.
 #[derive(Debug, Clone)]
@@ -15,6 +16,8 @@ pub(super) struct SurfacePoint<'a> {
     pub(super) outward: DVec3,
     pub(super) bsdf: Bsdf<'a>,
     pub(super) emission: Vec3,
+    /// Of solid glass: whether it is seen from inside, and what it takes away there.
+    pub(super) glass: Option<(bool, Option<Absorption>)>,
     /// World from the frame of the shading normal, that is z.
     frame: Mat3,
 }
@@ -42,9 +45,24 @@ impl Place {
         if hit.primitive & Geometry::SHAPE != 0 {
             return Self { corners: None, sides: [DVec3::ZERO; 2], weights: [0.0; 2] };
         }
-        let corners = transport.patch(hit.primitive).map(|(patch, triangle)| patch.corners(triangle));
-        let [a, b, c] = scene.geometry.triangle(hit.primitive).corners.map(Vec3::as_dvec3);
-        Self { corners, sides: [b - a, c - a], weights: hit.weights }
+        let still = |geometry: &Geometry, patches: &Patches| {
+            let [a, b, c] = geometry.triangle(hit.primitive).corners.map(Vec3::as_dvec3);
+            let corners = patches.corners(hit.primitive);
+            Self { corners, sides: [b - a, c - a], weights: hit.weights }
+        };
+        match scene.things() {
+            Some(things) if hit.mover != SurfaceId::STILL => {
+                let solid = &things.movers[hit.mover as usize].solid;
+                still(&solid.geometry, &solid.patches).mapped(&things.place(hit.mover, hit.time).world_from_own.matrix3)
+            }
+            _ => still(&scene.geometry, &transport.patches),
+        }
+    }
+
+    /// The same in a space that a map leads to.
+    fn mapped(self, linear: &DMat3) -> Self {
+        let corners = self.corners.map(|corners| corners.mapped(linear));
+        Self { corners, sides: self.sides.map(|side| *linear * side), ..self }
     }
 
     /// The value of a map, seen with a footprint of this width; `None` where the mesh has no coordinates for it.
@@ -125,12 +143,24 @@ impl Transport {
         }
     }
 
+    /// What of light that comes along a direction goes straight through a polished pane; nothing through all else.
+    pub(super) fn through_pane(&self, scene: &Scene, hit: &Hit, direction: DVec3) -> Vec3 {
+        let point = self.surface(scene, hit, direction, 0.0);
+        match point.bsdf {
+            Bsdf::Glass { tint, eta, thin: true } => {
+                let cosine = point.to_local(-direction).z.clamp(0.0, 1.0);
+                tint * (1.0 - fresnel::sheet(cosine, eta))
+            }
+            _ => Vec3::ZERO,
+        }
+    }
+
     /// A point seen along `direction` with a footprint of a width.
     pub(super) fn surface<'a>(&'a self, scene: &Scene, hit: &Hit, direction: DVec3, width: f64) -> SurfacePoint<'a> {
         let (material, finish): (&Material, _) =
             (&scene.materials[hit.material as usize], &self.finishes[hit.material as usize]);
         let place = Place::new(scene, self, hit);
-        let color = material.pigment.at(hit.point) * place.tint(finish.color_map.as_ref(), width).truncate();
+        let color = material.pigment.at(scene.resting(hit)) * place.tint(finish.color_map.as_ref(), width).truncate();
 
         // Turn the normals to the side that is seen, and keep a bent one only if it is seen too
         let is_inside = hit.normal.dot(direction) > 0.0;
@@ -155,12 +185,17 @@ impl Transport {
                     coat: self.coat(hit.material),
                 })
             }
-            Matter::Glass { ior, thin } if self.bounces > 0 => {
-                let eta = if is_inside && !thin { 1.0 / ior } else { ior };
-                Bsdf::Glass { tint: color, eta, thin }
+            Matter::Glass { ior, thin, roughness, .. } if self.bounces > 0 => {
+                let texel = finish.surface_map.as_ref().and_then(|map| place.map(map, width)).unwrap_or(Vec4::ONE);
+                let roughness = (roughness * texel.y).clamp(0.0, 1.0);
+                self.glass(color, (ior, thin, roughness), is_inside, hit.material)
             }
             Matter::Matte | Matter::Glossy { .. } | Matter::Glass { .. } => Bsdf::Matte(color),
         };
-        SurfacePoint { outward, bsdf, emission: self.emission(scene, hit, width), frame }
+        let glass = match finish.matter {
+            Matter::Glass { thin: false, absorption, .. } if self.bounces > 0 => Some((is_inside, absorption)),
+            _ => None,
+        };
+        SurfacePoint { outward, bsdf, emission: self.emission(scene, hit, width), glass, frame }
     }
 }

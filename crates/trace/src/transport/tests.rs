@@ -4,8 +4,10 @@ use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 use super::*;
 use crate::sampler::Sampler;
-use crate::{Light, Material, Matter, Pigment, SceneBuilder, Shape};
+use crate::{Absorption, Light, Material, Matter, Pigment, SceneBuilder, Shape};
 
+mod strategies;
+mod suns;
 mod surfaces;
 
 /// Mean radiance along a ray over `count` paths, with its standard error (the largest of the channels').
@@ -50,17 +52,25 @@ fn a_white_furnace_stays_white() {
     let mut cases = vec![
         (Matter::Matte, 0.0),
         (gloss(1.0, 0.0), 0.0),
-        (Matter::Glass { ior: 1.5, thin: false }, 0.0),
-        (Matter::Glass { ior: 1.5, thin: true }, 0.0),
+        (Matter::glass(1.5, false), 0.0),
+        (Matter::glass(1.5, true), 0.0),
     ];
     for roughness in [0.0, 0.1, 0.3, 0.6, 1.0] {
         for metallic in [0.0, 0.5, 1.0] {
             cases.push((gloss(metallic, roughness), TABLES));
         }
     }
+    // Light meets some boundaries of a ball of glass before it leaves, each with a table
+    for roughness in [0.05, 0.3, 0.6, 1.0] {
+        for thin in [false, true] {
+            cases.push((Matter::Glass { ior: 1.5, thin, roughness, absorption: None }, 3.0 * TABLES));
+        }
+    }
     for (matter, tables) in cases {
-        // Glass lets go of what is caught in it after a few reflections
-        let scene = furnace(matter, 60);
+        // Glass lets go of what is caught in it after a few reflections; where it is a little rough some turn into its rim, and stay
+        // for hundreds
+        let is_rough = matches!(matter, Matter::Glass { roughness: 0.01.., .. });
+        let scene = furnace(matter, if is_rough { 1000 } else { 60 });
         for x in [0.0, 0.5, 0.9, 0.99] {
             let ray = Ray::new(DVec3::new(x, 0.1, 5.0), DVec3::NEG_Z);
             let (mean, error) = mean(&scene, &ray, 4000);
@@ -68,6 +78,72 @@ fn a_white_furnace_stays_white() {
             assert!(off <= SIGMAS * error + tables + 1e-5, "{matter:?} at {x}: {mean} +- {error}");
         }
     }
+}
+
+/// A slab of glass in front of a white sky, and what is behind it.
+fn slab(thickness: f64, ior: f32, absorption: Absorption) -> SceneBuilder {
+    let mut builder = SceneBuilder::new();
+    let glass = Matter::Glass { ior, thin: false, roughness: 0.0, absorption: Some(absorption) };
+    let glass = builder.finished(Material::matte(Vec3::ONE), finish(glass));
+    let map = DAffine3::from_scale(DVec3::new(50.0, 50.0, 0.5 * thickness));
+    builder.shape(Shape::Cuboid, map, glass).unwrap();
+    builder.sky(Vec3::ONE);
+    builder.bounces(64).unwrap();
+    builder
+}
+
+/// Beer and Lambert: white becomes the colour after the distance, and its power by the length of the way.
+#[test]
+fn light_fades_in_glass_by_the_length_of_its_way() {
+    let (color, distance) = (Vec3::new(0.9, 0.5, 0.0), 0.4);
+    let absorption = Absorption::new(color, distance).unwrap();
+    for degrees in [0.0_f64, 40.0, 70.0] {
+        let direction = DVec3::new(degrees.to_radians().sin(), 0.0, -degrees.to_radians().cos());
+        let ray = Ray::new(-4.0 * direction, direction);
+        for thickness in [0.1_f64, 0.4, 1.3] {
+            // Of index 1 nothing is reflected nor bent
+            let scene = slab(thickness, 1.0, absorption).build().unwrap();
+            let expected = color.powf((thickness / degrees.to_radians().cos()) as f32 / distance);
+            let off = (scene.radiance(&ray) - expected).abs().max_element();
+            assert!(off < 1e-5, "{degrees}, {thickness}: {} instead of {expected}", scene.radiance(&ray));
+
+            // Of another what is reflected inside fades on each way: R + (1 - R)^2 T / (1 - R T)
+            let ior = 1.6_f64;
+            let scene = slab(thickness, ior as f32, absorption).build().unwrap();
+            let inside = (degrees.to_radians().sin() / ior).asin().cos();
+            let fade = color.powf((thickness / inside) as f32 / distance);
+            let once = fresnel::dielectric(degrees.to_radians().cos() as f32, ior as f32);
+            let expected = Vec3::splat(once) + fade * (1.0 - once).powi(2) / (Vec3::ONE - fade * once);
+            let (found, error) = mean(&scene, &ray, 4000);
+            let off = (found - expected).abs().max_element();
+            assert!(off < SIGMAS * error + 1e-4, "{degrees}, {thickness}: {found} +- {error} instead of {expected}");
+        }
+    }
+}
+
+/// A floor and a lamp in one block of tinted glass: as dim by the lamp's own samples as by paths that find it.
+#[test]
+fn light_fades_alike_where_a_lamp_is_asked_and_where_it_is_met() {
+    let absorption = Absorption::new(Vec3::new(0.8, 0.4, 0.2), 1.0).unwrap();
+    let scene = |is_sampled: bool| {
+        let mut builder = slab(40.0, 1.0, absorption);
+        builder.sky(Vec3::ZERO);
+        builder.bounces(2).unwrap();
+        let floor = builder.material(Material::matte(Vec3::ONE));
+        let lamp = Material::glowing(Vec3::splat(4.0));
+        let lamp = builder.finished(lamp, Finish { is_light: true, ..Finish::default() });
+        builder.shape(Shape::Rectangle, DAffine3::from_scale(DVec3::splat(9.0)), floor).unwrap();
+        let height = if is_sampled { 1.0 } else { 1e-6 };
+        let map = DAffine3::from_translation(1.5 * DVec3::Y) * DAffine3::from_scale(DVec3::new(1.5, height, 1.5));
+        builder.shape(if is_sampled { Shape::Rectangle } else { Shape::Cuboid }, map, lamp).unwrap();
+        builder.build().unwrap()
+    };
+    // From a point inside, so that the camera's own way counts once it meets the floor only by what came before
+    let ray = Ray::new(DVec3::new(0.0, 1.0, 3.0), DVec3::new(0.1, -1.0, -2.0));
+    let (asked, asked_error) = mean(&scene(true), &ray, 6000);
+    let (met, met_error) = mean(&scene(false), &ray, 60_000);
+    let error = SIGMAS * (asked_error.powi(2) + met_error.powi(2)).sqrt();
+    assert!((asked - met).abs().max_element() < error, "{asked} {met} +- {error}");
 }
 
 #[test]
@@ -192,7 +268,7 @@ fn the_penumbra_is_as_wide_as_the_lamp_says() {
 fn a_pane_moves_and_weakens_light_as_snell_and_fresnel_say() {
     let (thickness, ior) = (0.5, 1.5_f64);
     let mut builder = SceneBuilder::new();
-    let glass = finish(Matter::Glass { ior: ior as f32, thin: false });
+    let glass = finish(Matter::glass(ior as f32, false));
     let glass = builder.finished(Material::matte(Vec3::ONE), glass);
     let pane = DAffine3::from_scale(DVec3::new(50.0, 50.0, 0.5 * thickness));
     builder.shape(Shape::Cuboid, pane, glass).unwrap();
