@@ -2,8 +2,8 @@
 //!
 //! Walter, Marschner, Li, Torrance, "Microfacet Models for Refraction through Rough Surfaces" (EGSR 2007), with facets chosen
 //! among those that are seen (Heitz 2018), and reflected or refracted by chance as Fresnel says. A sheet without thickness
-//! sends on what it lets through as it reflects, mirrored in its plane. What facets send to each other is lost in that model, up
-//! to a fifth at full roughness; all is made brighter by what is lost on average for the direction it is seen from (Turquin 2019), so that
+//! sends on what it lets through as it reflects, mirrored in its plane. What facets send to each other is lost in that model, at
+//! full roughness a tenth straight on and half aslant; all is made brighter by what is lost on average for the direction it is seen from (Turquin 2019), so that
 //! a furnace stays 1, at the price of reciprocity between directions that lose differently.
 
 use glam::{Vec2, Vec3};
