@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// How many sides of a cell the least blur radius spans.
-pub(crate) const SIDES_PER_RADIUS: f32 = 7.0;
+pub(crate) const SIDES_PER_RADIUS: f32 = 8.0;
 
 /// Blurs of more cells are left to the gather, which finds a size for each piece.
 const MOST_CELLS: i32 = 36;

@@ -101,9 +101,10 @@ proptest! {
         let cells = (0..STEPS * STEPS)
             .map(|i| (DVec2::new(f64::from(i % STEPS), f64::from(i / STEPS)) + 0.5) / f64::from(STEPS));
         let open = cells.filter(|&u| opening.contains(shape.sample(u) * (1.0 - 1e-12))).count();
-        // A cell at the border counts whole or not at all: some 4 x 256 of them, half of which cancel and more
+        // A cell at the border counts whole or not at all. Of the outermost 4 x 256 half may be wrong by half a cell to the same
+        // side, where a small shift misses all their middles: 0.0039
         let found = open as f64 / f64::from(STEPS * STEPS);
-        prop_assert!((found - opening.share()).abs() < 2e-3, "{found} {}", opening.share());
+        prop_assert!((found - opening.share()).abs() < 4e-3, "{found} {}", opening.share());
         prop_assert!(opening.share() > 0.05);
     }
 }

@@ -78,7 +78,7 @@ fn a_chart_places_every_method_and_says_which_are_needless() {
     }
 
     // Files of each step lie in the folder
-    for name in ["rgbd_1.exr", "rgbd_2.exr", "trace_16.exr", "merged_2_layers.exr", "hybrid_0.01.exr"] {
+    for name in ["rgbd_1.exr", "rgbd_2.exr", "trace_16.exr", "merged_2_layers.exr", "hybrid_0.01_64.exr"] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
 
