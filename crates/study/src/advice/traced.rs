@@ -54,8 +54,8 @@ impl Traced {
         if let Some(exposures) = exposures {
             noise = noise.with_flip(exposures)?;
         }
-        // Other samples than the pilot's
-        let spots = Spots::new(scene, camera, expected, seed.wrapping_add(1), &step(1))?;
+        // Other samples than the pilot's, and than those that frames are made of, whose error would be shared
+        let spots = Spots::new(scene, camera, expected, seed.wrapping_add(2), &step(1))?;
         let flips = match (exposures, noise.flip()) {
             (Some(exposures), Some(pilot)) => {
                 let own = spots.flip_of_halves(filtered, |_, _| 1.0, exposures)?;
