@@ -199,7 +199,7 @@ impl Gather<'_> {
         target: &mut Target,
     ) {
         let taps = &mut scratch.taps;
-        self.collect(part, lens, taps);
+        self.collect::<F>(part, lens, taps);
         if taps.are_black() {
             return;
         }
@@ -239,7 +239,7 @@ impl Gather<'_> {
         let around = part.grown(margin, margin);
         let lens = self.lens.over(around);
         let Scratch { taps, cells, .. } = scratch;
-        self.collect(around, &lens, taps);
+        self.collect::<F>(around, &lens, taps);
 
         let [columns, lines] = [around.width, around.height].map(|length| length as usize / side as usize);
         let width = columns.next_multiple_of(LANES);

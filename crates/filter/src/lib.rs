@@ -27,6 +27,7 @@ mod cells;
 mod color_pyramid;
 mod depth_pyramid;
 mod error;
+mod even_taps;
 mod fetch_radius;
 mod fill;
 mod forest;

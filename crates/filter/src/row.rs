@@ -65,6 +65,9 @@ pub(crate) trait Footprint: Copy + Sync {
     /// Whether a second rim covers a part of the lens.
     const IS_CUT: bool = false;
 
+    /// Whether it is a disc on the pixels.
+    const IS_ROUND: bool = false;
+
     /// The footprint over a row of pixels, each with its eye.
     #[inline(always)]
     fn over_row(&self, _: impl FnOnce() -> [Eye; LANES]) -> Self {
@@ -129,6 +132,8 @@ impl<S: Simd> Lanes<S> {
 pub(crate) struct Round;
 
 impl Footprint for Round {
+    const IS_ROUND: bool = true;
+
     #[inline(always)]
     fn weight<S: Simd>(
         &self,
@@ -212,20 +217,20 @@ impl Footprint for Shaped<'_> {
 }
 
 /// What a slab adds up while its taps pass.
-struct Sums<S: Simd> {
-    full: f32x8<S>,
-    rgba: [f32x8<S>; 4],
+pub(crate) struct Sums<S: Simd> {
+    pub(crate) full: f32x8<S>,
+    pub(crate) rgba: [f32x8<S>; 4],
     /// Weight times lens point.
-    lens: [f32x8<S>; 2],
-    doubt: f32x8<S>,
+    pub(crate) lens: [f32x8<S>; 2],
+    pub(crate) doubt: f32x8<S>,
 }
 
 /// The part of the lens that nearer things hide: the points beyond `edge` in a direction.
-struct Hidden<S: Simd> {
-    direction: [f32x8<S>; 2],
-    edge: f32x8<S>,
+pub(crate) struct Hidden<S: Simd> {
+    pub(crate) direction: [f32x8<S>; 2],
+    pub(crate) edge: f32x8<S>,
     /// How far the hidden points lie on one side, 0 to 1.
-    strength: f32x8<S>,
+    pub(crate) strength: f32x8<S>,
 }
 
 impl<S: Simd> Hidden<S> {
@@ -245,27 +250,25 @@ impl<S: Simd> Hidden<S> {
     }
 }
 
-/// Gathers the row at `y` of a block, whose pixels lie `step` apart, nearest slab first, until the iris of each pixel is full.
+/// Gathers eight pixels of a row, nearest slab first, until the iris of each is full.
 ///
-/// `defocus` is what the defocus of everything is more at each pixel than at the block's centre, in pixels.
+/// `add_up` adds up the taps of a slab, of which a part of the lens may be hidden.
 #[inline(always)]
-pub(crate) fn gather_row<S: Simd, F: Footprint, const DOUBT: bool>(
+pub(crate) fn gather_row<S: Simd>(
     simd: S,
-    footprint: &F,
-    shared: &Shared,
-    taps: &[BlockTap],
     slabs: &[Slab],
-    (step, y): (f32, f32),
-    defocus: &[f32; LANES],
+    add_up: impl Fn(std::ops::Range<usize>, Option<&Hidden<S>>) -> Sums<S>,
 ) -> Row {
-    let zero = f32x8::splat(simd, 0.0);
-    let x = f32x8::from_slice(simd, &[-3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5]) * step;
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
     let (mut full, mut rgba, mut doubt) = (zero, [zero; 4], zero);
     // What hides the slabs to come, and the last slab, which hides only what does not touch it
     let (mut seen, mut last, mut last_bin) = ([zero; 3], [zero; 3], f32x8::splat(simd, f32::MAX));
     let mut start = 0;
     for slab in slabs {
-        let part = &taps[start..slab.end];
+        if full.simd_ge(1.0).all_true() {
+            break;
+        }
+        let part = start..slab.end;
         start = slab.end;
 
         // The last slab hides this one if there is a gap between them
@@ -276,15 +279,9 @@ pub(crate) fn gather_row<S: Simd, F: Footprint, const DOUBT: bool>(
             *last = is_apart.select(zero, *last);
         }
         let sums = if seen[0].simd_gt(1e-4).any_true() {
-            let hidden = Hidden::new(simd, seen);
-            add_up::<S, F, DOUBT, true, true>(simd, footprint, shared, part, (x, y), defocus, &hidden)
+            add_up(part, Some(&Hidden::new(simd, seen)))
         } else {
-            let hidden = Hidden { direction: [zero; 2], edge: zero, strength: zero };
-            if start == taps.len() && slabs.len() == 1 {
-                add_up::<S, F, DOUBT, false, false>(simd, footprint, shared, part, (x, y), defocus, &hidden)
-            } else {
-                add_up::<S, F, DOUBT, true, false>(simd, footprint, shared, part, (x, y), defocus, &hidden)
-            }
+            add_up(part, None)
         };
 
         // Let it in as far as the iris is open
@@ -292,7 +289,7 @@ pub(crate) fn gather_row<S: Simd, F: Footprint, const DOUBT: bool>(
         if !is_there.any_true() {
             continue;
         }
-        let taken = sums.full.min(f32x8::splat(simd, 1.0) - full);
+        let taken = sums.full.min(one - full);
         let share = is_there.select(taken / sums.full.max(f32::MIN_POSITIVE), zero);
         full += taken;
         for (rgba, sum) in rgba.iter_mut().zip(sums.rgba) {
@@ -317,15 +314,17 @@ pub(crate) fn gather_row<S: Simd, F: Footprint, const DOUBT: bool>(
 }
 
 /// Adds up a slab: doubt if it is wanted, lens points if another slab comes, with regard to what is `hidden` or not.
+///
+/// `defocus` is what the defocus of everything is more at each pixel than at the block's centre, in pixels.
 #[inline(always)]
-fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool, const HIDDEN: bool>(
+pub(crate) fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool>(
     simd: S,
     footprint: &F,
     shared: &Shared,
     taps: &[BlockTap],
     (x, y): (f32x8<S>, f32),
     by: &[f32; LANES],
-    hidden: &Hidden<S>,
+    hidden: Option<&Hidden<S>>,
 ) -> Sums<S> {
     let (zero, defocus) = (f32x8::splat(simd, 0.0), f32x8::from_slice(simd, by));
     let mut sums = Sums { full: zero, rgba: [zero; 4], lens: [zero; 2], doubt: zero };
@@ -354,7 +353,7 @@ fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool, const HIDD
             [u, v] = footprint.on_disc([u * to_lens, v * to_lens]);
             to_lens = f32x8::splat(simd, 1.0);
         }
-        if HIDDEN {
+        if let Some(hidden) = hidden {
             let along = u.mul_add(hidden.direction[0], v * hidden.direction[1]) * to_lens;
             let open = ((hidden.edge - along) * weight.sharpness + 0.5).max(0.0).min(1.0);
             let strength = hidden.strength * weight.trust;

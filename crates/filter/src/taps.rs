@@ -5,10 +5,11 @@ use rgbd::PixelWindow;
 
 use crate::{
     cells::Range,
+    even_taps::{EvenTap, add_up_even},
     forest::Piece,
     gather::Gather,
     lens_map::PixelLens,
-    row::{BlockTap, Footprint, LANES, Row, Shared, Slab, gather_row},
+    row::{BlockTap, Footprint, LANES, Row, Shared, Slab, add_up, gather_row},
     tap::Weight,
     view_lens::TileLens,
 };
@@ -60,8 +61,11 @@ pub(crate) struct Taps {
     xs: Vec<f32>,
     ys: Vec<f32>,
     reaches: Vec<f32>,
-    /// Those of a block.
+    /// Where the lens is the same all over the tile, the taps in that order; else none.
+    even: Vec<EvenTap>,
+    /// Those of a block, of one kind or the other.
     block: Vec<BlockTap>,
+    even_block: Vec<EvenTap>,
     slabs: Vec<Slab>,
 }
 
@@ -86,8 +90,8 @@ pub(crate) struct BlockGrid {
 impl Gather<'_> {
     /// Collects what may touch a tile, nearest slab first.
     #[inline(always)]
-    pub(crate) fn collect(&self, tile: PixelWindow, lens: &TileLens, scratch: &mut Taps) {
-        let Taps { pieces, weights, touches, order, counts, xs, ys, reaches, .. } = scratch;
+    pub(crate) fn collect<F: Footprint>(&self, tile: PixelWindow, lens: &TileLens, scratch: &mut Taps) {
+        let Taps { pieces, weights, touches, order, counts, xs, ys, reaches, even, .. } = scratch;
         pieces.clear();
         weights.clear();
         touches.clear();
@@ -144,6 +148,11 @@ impl Gather<'_> {
             ys.push(pieces[i as usize].y);
             reaches.push(touches[i as usize].reach);
         }
+        even.clear();
+        if F::IS_ROUND && lens.is_even() {
+            let tap = |&i: &u32| (&pieces[i as usize], &weights[i as usize], touches[i as usize].reach);
+            even.extend(order.iter().map(tap).map(|(piece, weight, reach)| EvenTap::new(piece, weight, reach)));
+        }
         // Fill the last vector with what touches nothing
         let whole = order.len().next_multiple_of(LANES);
         [xs, ys, reaches].into_iter().for_each(|values| values.resize(whole, -1e9));
@@ -176,16 +185,40 @@ impl Gather<'_> {
         self.find(simd, tile_lens, &lens, (center, half, spread), is_plain, scratch);
 
         let shared = Shared { lens: &lens, table: &self.table, max_radius: self.max_radius };
+        let Taps { even, block, even_block, slabs, .. } = scratch;
+        let columns = f32x8::from_slice(simd, &[-3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5]) * step;
         for row in (0..rows).filter(|&row| is_wanted(row)) {
+            let place = (columns, row as f32 * step - half[1]);
+            if !even.is_empty() {
+                let gathered = gather_row(
+                    simd,
+                    slabs,
+                    #[inline(always)]
+                    |part, hidden| add_up_even::<S, DOUBT>(simd, &even_block[part], place, hidden),
+                );
+                put(row, &gathered);
+                continue;
+            }
             let mut by = [0.0; LANES];
             for (i, by) in by.iter_mut().enumerate() {
                 *by = corner + across * i as f32 + down * row as f32;
             }
             let eye = |i: usize| self.lens.eye_at(f64::from(x + step * i as f32), f64::from(y + step * row as f32));
             let footprint = footprint.over_row(|| std::array::from_fn(eye));
-            let y = row as f32 * step - half[1];
-            let (taps, slabs) = (&scratch.block, &scratch.slabs);
-            put(row, &gather_row::<S, F, DOUBT>(simd, &footprint, &shared, taps, slabs, (step, y), &by));
+            let gathered = gather_row(
+                simd,
+                slabs,
+                #[inline(always)]
+                |part, hidden| {
+                    let taps = &block[part];
+                    if slabs.len() == 1 {
+                        add_up::<S, F, DOUBT, false>(simd, &footprint, &shared, taps, place, &by, hidden)
+                    } else {
+                        add_up::<S, F, DOUBT, true>(simd, &footprint, &shared, taps, place, &by, hidden)
+                    }
+                },
+            );
+            put(row, &gathered);
         }
     }
 
@@ -201,8 +234,9 @@ impl Gather<'_> {
         is_plain: bool,
         scratch: &mut Taps,
     ) {
-        let Taps { pieces, weights, touches, order, xs, ys, reaches, block, slabs, .. } = scratch;
+        let Taps { pieces, weights, touches, order, xs, ys, reaches, even, block, even_block, slabs, .. } = scratch;
         block.clear();
+        even_block.clear();
         slabs.clear();
         let by = tile_lens.center.scale * (tile_lens.center.focus - lens.focus);
         let mut last_bin = i32::MAX;
@@ -217,18 +251,22 @@ impl Gather<'_> {
                 if is_plain && !piece.is_first {
                     continue;
                 }
+                let bin = if is_plain { 0 } else { tap.bin };
+                if bin != last_bin {
+                    if last_bin != i32::MAX {
+                        slabs.push(Slab { bin: last_bin, end: block.len() + even_block.len() });
+                    }
+                    last_bin = bin;
+                }
+                if let Some(tap) = even.get(i) {
+                    even_block.push(tap.relative_to(center));
+                    continue;
+                }
                 let weight = if tap.is_steady {
                     weights[at].moved(by)
                 } else {
                     Weight::new(&self.table, piece, lens, self.max_radius)
                 };
-                let bin = if is_plain { 0 } else { tap.bin };
-                if bin != last_bin {
-                    if last_bin != i32::MAX {
-                        slabs.push(Slab { bin: last_bin, end: block.len() });
-                    }
-                    last_bin = bin;
-                }
                 block.push(BlockTap {
                     x: piece.x - center[0],
                     y: piece.y - center[1],
@@ -242,7 +280,7 @@ impl Gather<'_> {
             }
         }
         if last_bin != i32::MAX {
-            slabs.push(Slab { bin: last_bin, end: block.len() });
+            slabs.push(Slab { bin: last_bin, end: block.len() + even_block.len() });
         }
     }
 }

@@ -135,6 +135,11 @@ impl TileLens {
         self.center.scale * self.defocus(range)
     }
 
+    /// Whether the focus is the same all over the tile.
+    pub(crate) fn is_even(&self) -> bool {
+        self.focus[0] == self.focus[1] && self.focus_slope == [0.0; 2]
+    }
+
     /// The inverse depth of focus at a point.
     #[inline(always)]
     pub(crate) fn focus_at(&self, x: f32, y: f32) -> f32 {
