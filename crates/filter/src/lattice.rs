@@ -23,6 +23,9 @@ use crate::{
 /// How many sides of a cell the least blur radius spans.
 pub(crate) const SIDES_PER_RADIUS: f32 = 8.0;
 
+/// What the next level does not take has no larger blur radius, in cells: the blur hardly changes over the next level's cell.
+const MOST_BEFORE_COARSER: f32 = 2.0 * SIDES_PER_RADIUS + 2.0;
+
 /// Blurs of more cells are left to the gather, which finds a size for each piece.
 const MOST_CELLS: i32 = 36;
 
@@ -39,7 +42,7 @@ const TOO_STEEP_FOCUS: f32 = 0.3;
 pub(crate) const STEPS: f32 = 32.0;
 
 /// Coarsest level.
-const LAST_LEVEL: u32 = 5;
+pub(crate) const LAST_LEVEL: u32 = 5;
 
 /// The first surface as a lattice.
 pub(crate) struct Lattice<'a> {
@@ -65,12 +68,22 @@ pub(crate) struct Lattice<'a> {
 /// How the blocks of a tile without an edge in sight are summed up.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plan {
-    /// The smallest window that holds those blocks, in whole cells.
+    /// The smallest window that holds those blocks, in whole cells of the coarsest level.
     pub(crate) part: PixelWindow,
-    /// Cells of 2^level pixels.
-    pub(crate) level: u32,
+    /// Cells of 2^level pixels: what the least blur allows, and what the largest does. Where they differ each surface is
+    /// summed up in the cells that its own blur allows.
+    pub(crate) finest: u32,
+    pub(crate) coarsest: u32,
     /// Largest blur radius in pixels.
     pub(crate) largest: f32,
+}
+
+impl Plan {
+    /// The largest blur radius of what is summed up on a level, in cells.
+    pub(crate) fn largest_on(&self, level: u32) -> f32 {
+        let largest = self.largest / (1 << level) as f32;
+        if level < self.coarsest { largest.min(MOST_BEFORE_COARSER) } else { largest }
+    }
 }
 
 impl<'a> Lattice<'a> {
@@ -158,11 +171,31 @@ impl<'a> Lattice<'a> {
         if bend > TOO_STEEP_FOCUS || bend > STEEP_FOCUS && least < LEAST_RADIUS_WHERE_STEEP {
             return None;
         }
-        let level = (least / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
-        let level = level.min(self.levels.len() as u32);
-        let cells = (largest / (1 << level) as f32 + 1.0) * lens.stretch;
-        let part = part.aligned_to((1 << level).max(BLOCK));
+        let level = |radius: f32| (radius / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
+        let [finest, coarsest] = [least, largest].map(|radius| level(radius).min(self.levels.len() as u32));
+        let cells = (largest / (1 << coarsest) as f32 + 1.0) * lens.stretch;
+        let part = part.aligned_to((1 << coarsest).max(BLOCK));
         let serves = (cells as i32) < MOST_CELLS && lens.center.scale > 0.0;
-        serves.then_some(Plan { part, level, largest })
+        serves.then_some(Plan { part, finest, coarsest, largest })
+    }
+
+    /// The blur radius in pixels of a cell of a level; 0 where there is none.
+    #[inline(always)]
+    pub(crate) fn radius_of(&self, level: u32, x: i32, y: i32, lens: &TileLens) -> f32 {
+        let level_ref = level.checked_sub(1).map(|i| &self.levels[i as usize]);
+        let window = level_ref.map_or(self.surface.window, |level| level.window);
+        if !window.contains(x, y) {
+            return 0.0;
+        }
+        let inverse_depth = level_ref.map_or(&self.surface.inverse_depth, |level| &level.inverse_depth);
+        let center = |k: i32| (k as f32 + 0.5) * (1 << level) as f32 - 0.5;
+        let defocus = lens.center.scale * (inverse_depth[window.index(x, y)] - lens.focus_at(center(x), center(y)));
+        defocus.abs().min(self.max_radius)
+    }
+
+    /// Whether the blur radius of a cell of a level allows the level.
+    #[inline(always)]
+    pub(crate) fn allows(&self, level: u32, x: i32, y: i32, lens: &TileLens) -> bool {
+        self.radius_of(level, x, y, lens) >= SIDES_PER_RADIUS * (1 << level) as f32
     }
 }

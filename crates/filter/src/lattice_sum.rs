@@ -129,6 +129,9 @@ pub(crate) struct Offsets {
     /// starts `reach` before the cell, and its neighbours in `pairs`.
     rows: Vec<Span>,
     pairs: Vec<Pair>,
+    /// Of each pair the least metric, of either orientation, and the largest that is not mirrored.
+    least: Vec<f32>,
+    largest: Vec<f32>,
 }
 
 impl Offsets {
@@ -149,6 +152,11 @@ impl Offsets {
             let end = self.pairs.len();
             self.rows.push(Span { first: (first + reach) as usize, start, inside: [end; 2], end });
         }
+        let least = |[upper, lower]: &Pair| upper.metric.min(upper.mirrored).min(lower.metric).min(lower.mirrored);
+        self.least.clear();
+        self.least.extend(self.pairs.iter().map(least));
+        self.largest.clear();
+        self.largest.extend(self.pairs.iter().map(|[upper, lower]| upper.metric.max(lower.metric)));
     }
 
     /// Of which neighbours cells receive from certain rows, the first of which lies `reach` above them: without those at
@@ -156,12 +164,12 @@ impl Offsets {
     pub(crate) fn spans(&self, rows: &[Row], spans: &mut Vec<Span>) {
         spans.clear();
         spans.extend(rows.iter().zip(&self.rows).map(|(row, span)| {
-            let is_near = |pair: &Pair| pair.iter().any(|offset| offset.metric.min(offset.mirrored) <= row.limit);
-            let pairs = &self.pairs[span.start..span.end];
-            let Some(before) = pairs.iter().position(is_near) else {
+            let is_near = |&metric: &f32| metric <= row.limit;
+            let least = &self.least[span.start..span.end];
+            let Some(before) = least.iter().position(is_near) else {
                 return Span { inside: [span.start; 2], end: span.start, ..*span };
             };
-            let after = pairs.iter().rev().position(is_near).unwrap_or(0);
+            let after = least.iter().rev().position(is_near).unwrap_or(0);
             let (start, end) = (span.start + before, span.end - after);
             let inside = self.inside(row, start, end);
             Span { first: span.first + before, start, inside, end }
@@ -170,21 +178,20 @@ impl Offsets {
 
     /// Which of the pairs lie inside all kernels of a row, in whole groups.
     fn inside(&self, row: &Row, start: usize, end: usize) -> [usize; 2] {
-        let pairs = &self.pairs[start..end];
-        let is_inside = |pair: &Pair| pair.iter().all(|offset| offset.metric <= row.inside);
         if row.inside == 0.0 {
             return [end; 2];
         }
         // An outline is convex: whatever lies between two that are inside is so too
-        let Some(from) = pairs.iter().position(is_inside) else { return [end; 2] };
-        let last = pairs.iter().rposition(is_inside).unwrap_or(from);
+        let (largest, is_inside) = (&self.largest[start..end], |&metric: &f32| metric <= row.inside);
+        let Some(from) = largest.iter().position(is_inside) else { return [end; 2] };
+        let last = largest.iter().rposition(is_inside).unwrap_or(from);
         let groups = (last + 1 - from) / GROUP;
         [start + from, start + from + groups * GROUP]
     }
 }
 
-/// What the eight cells from column `x` on receive, in two rows; `rows` starts `reach` above the upper one. Cells that receive
-/// nothing are 0. Alpha is 1 if all is `OPAQUE`.
+/// What the eight cells from column `x` on receive, in two rows; `rows` starts `reach` above the upper one. Alpha is left out
+/// if all is `OPAQUE`.
 #[inline(always)]
 pub(crate) fn sum<S: Simd, const BENT: bool, const ELLIPTIC: bool, const ODD: bool, const OPAQUE: bool>(
     simd: S,
@@ -192,7 +199,7 @@ pub(crate) fn sum<S: Simd, const BENT: bool, const ELLIPTIC: bool, const ODD: bo
     spans: &[Span],
     offsets: &Offsets,
     x: usize,
-) -> [[[f32; LANES]; CHANNELS]; 2] {
+) -> [[f32x8<S>; CHANNELS]; 2] {
     let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
     let channels = if OPAQUE { CHANNELS - 1 } else { CHANNELS };
     let mut sums = [[zero; CHANNELS]; 2];
@@ -248,18 +255,21 @@ pub(crate) fn sum<S: Simd, const BENT: bool, const ELLIPTIC: bool, const ODD: bo
         }
     }
 
-    let mut result = [[[0.0; LANES]; CHANNELS]; 2];
-    for (result, mut sums) in result.iter_mut().zip(sums) {
-        let is_there = sums[0].simd_gt(0.0);
-        // A quotient and no product, so that alpha is 1 in the same bits whether it is summed up or known
-        let total = is_there.select(sums[0], one);
-        sums[1..].iter_mut().for_each(|sum| *sum /= total);
-        if OPAQUE {
-            sums[CHANNELS - 1] = is_there.select(one, zero);
-        }
-        for (result, sum) in result.iter_mut().zip(sums) {
-            sum.store_slice(result);
-        }
+    sums
+}
+
+/// Sums as they are put: colours divided by the sum of the weights. Alpha is 1 if all is `OPAQUE`.
+#[inline(always)]
+pub(crate) fn divided<S: Simd>(simd: S, mut sums: [f32x8<S>; CHANNELS], is_opaque: bool) -> [[f32; LANES]; CHANNELS] {
+    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    let is_there = sums[0].simd_gt(0.0);
+    // A quotient and no product, so that alpha is 1 in the same bits whether it is summed up or known
+    let total = is_there.select(sums[0], one);
+    sums[1..].iter_mut().for_each(|sum| *sum /= total);
+    if is_opaque {
+        sums[CHANNELS - 1] = is_there.select(one, zero);
     }
+    let mut result = [[0.0; LANES]; CHANNELS];
+    result.iter_mut().zip(sums).for_each(|(result, sum)| sum.store_slice(result));
     result
 }

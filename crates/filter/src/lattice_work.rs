@@ -1,11 +1,12 @@
 //! The lattice at work: kernels are laid out, summed up, and interpolated between the cells.
 
-use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, prelude::*};
+use rgbd::PixelWindow;
 
 use crate::{
     kernel::{ellipse_share, mirrored_share},
-    lattice::{Lattice, Plan, STEPS},
-    lattice_sum::{CHANNELS, Offset, Offsets, Row, SPAN, Span, sum},
+    lattice::{LAST_LEVEL, Lattice, Plan, STEPS},
+    lattice_sum::{CHANNELS, Offset, Offsets, Row, SPAN, Span, divided, sum},
     lens_map::PixelLens,
     outline::Outline,
     row::LANES,
@@ -14,13 +15,18 @@ use crate::{
     view_lens::TileLens,
 };
 
+/// The limit of a row from which nothing is received.
+const NOTHING: f32 = -1.0;
+
 /// What a thread keeps from tile to tile.
 #[derive(Default)]
 pub(crate) struct LatticeScratch {
     rows: Vec<Row>,
-    offsets: Offsets,
+    /// By level.
+    offsets: [Offsets; LAST_LEVEL as usize + 1],
     spans: Vec<Span>,
     sums: [Vec<f32>; CHANNELS],
+    totals: [Vec<f32>; CHANNELS],
 }
 
 impl Lattice<'_> {
@@ -35,62 +41,157 @@ impl Lattice<'_> {
         scratch: &mut LatticeScratch,
         mut put: impl FnMut(i32, i32, &[[f32; LANES]; CHANNELS]),
     ) {
+        let (part, level) = (plan.part, plan.finest);
+        let is_wanted = |x: i32, y: i32| !self.in_sight.at(x, y);
+        if plan.finest < plan.coarsest {
+            self.add_up_levels(simd, plan, lens, scratch);
+            self.put_totals::<S, OPEN>(simd, part, lens, &scratch.totals, put);
+            return;
+        }
+        let width = self.each_cell(
+            simd,
+            plan,
+            (level, OPEN),
+            lens,
+            scratch,
+            #[inline(always)]
+            |rows, (x, y), (i, to), planes, sums| {
+                let mut sums = divided(simd, sums, self.is_opaque);
+                if OPEN {
+                    // The weights were divided by the blur radius
+                    let full = sums[0].iter_mut().zip(&rows.inverse[i..]).filter(|(_, own)| **own != 0.0);
+                    full.for_each(|(full, own)| *full = (*full / own.abs()).min(1.0));
+                }
+                if level == 0 {
+                    put(x, y, &sums);
+                } else {
+                    let sums = planes.iter_mut().zip(sums);
+                    sums.for_each(|(plane, sums)| plane[to..to + LANES].copy_from_slice(&sums));
+                }
+            },
+        );
+        if level > 0 {
+            upsample(part, level, &scratch.sums, width, is_wanted, put);
+        }
+    }
+
+    /// Adds up the sums of all levels of a plan, each surface in cells that its blur allows.
+    #[inline(always)]
+    fn add_up_levels<S: Simd>(&self, simd: S, plan: &Plan, lens: &TileLens, scratch: &mut LatticeScratch) {
         let part = plan.part;
-        let side = 1 << plan.level;
-        let margin = if plan.level == 0 { 0 } else { MARGIN };
+        for total in &mut scratch.totals {
+            total.clear();
+            total.resize(part.area(), 0.0);
+        }
+        for level in plan.finest..=plan.coarsest {
+            let mut totals = std::mem::take(&mut scratch.totals);
+            let width = self.each_cell(
+                simd,
+                plan,
+                (level, false),
+                lens,
+                scratch,
+                #[inline(always)]
+                |_, (x, y), (_, to), planes, sums| {
+                    let to = if level == 0 { part.index(x, y) } else { to };
+                    let planes = if level == 0 { &mut totals } else { planes };
+                    planes.iter_mut().zip(sums).for_each(|(plane, sum)| sum.store_slice(&mut plane[to..to + LANES]));
+                },
+            );
+            if level > 0 {
+                // Weights are divided by the blur radius in cells
+                let share = 1.0 / (1 << level) as f32;
+                let is_wanted = |x: i32, y: i32| !self.in_sight.at(x, y);
+                upsample(part, level, &scratch.sums, width, is_wanted, |x, y, sums| {
+                    let at = part.index(x, y);
+                    for (total, sums) in totals.iter_mut().zip(sums) {
+                        total[at..at + LANES].iter_mut().zip(sums).for_each(|(total, sum)| *total += share * sum);
+                    }
+                });
+            }
+            scratch.totals = totals;
+        }
+    }
+
+    /// Puts what all levels add up to.
+    #[inline(always)]
+    fn put_totals<S: Simd, const OPEN: bool>(
+        &self,
+        simd: S,
+        part: PixelWindow,
+        lens: &TileLens,
+        totals: &[Vec<f32>; CHANNELS],
+        mut put: impl FnMut(i32, i32, &[[f32; LANES]; CHANNELS]),
+    ) {
+        for y in part.y..part.y_end() {
+            for x in (part.x..part.x_end()).step_by(LANES).filter(|&x| !self.in_sight.at(x, y)) {
+                let at = part.index(x, y);
+                let sums = [0, 1, 2, 3, 4].map(|c| f32x8::from_slice(simd, &totals[c][at..at + LANES]));
+                let mut sums = divided(simd, sums, self.is_opaque);
+                if OPEN {
+                    for (full, x) in sums[0].iter_mut().zip(x..) {
+                        *full = (*full * self.radius_of(0, x, y, lens).max(1.0)).min(1.0);
+                    }
+                }
+                put(x, y, &sums);
+            }
+        }
+    }
+
+    /// Sums up the cells of one level of a plan, eight of two rows at a time. `take` receives for each row the one that it
+    /// was laid out in, the first cell's place, its columns there and among the sums, the sums of the level, and the eight
+    /// cells' own. Returns how many sums there are to a row.
+    #[inline(always)]
+    fn each_cell<S: Simd>(
+        &self,
+        simd: S,
+        plan: &Plan,
+        (level, open): (u32, bool),
+        lens: &TileLens,
+        scratch: &mut LatticeScratch,
+        mut take: impl FnMut(&Row, (i32, i32), (usize, usize), &mut [Vec<f32>; CHANNELS], [f32x8<S>; CHANNELS]),
+    ) -> usize {
+        let (part, side) = (plan.part, 1 << level);
+        let margin = if level == 0 { 0 } else { MARGIN };
         let [columns, lines] = [part.width, part.height].map(|length| length as i32 / side + 2 * margin);
         let first = (part.x / side - margin, part.y / side - margin);
-        self.offsets(lens, plan.largest / side as f32, &mut scratch.offsets);
-        let reach = scratch.offsets.reach;
+        let LatticeScratch { rows, offsets, spans, sums: planes, .. } = scratch;
+        let offsets = &mut offsets[level as usize];
+        self.offsets(lens, plan.largest_on(level), offsets);
+        let reach = offsets.reach;
 
         // Lay out what the cells receive from
         let is_elliptic = lens.center.is_elliptic() || lens.center.skew != [0.0; 2];
         let is_bent = lens.focus_slope != [0.0; 2] || is_elliptic || self.is_odd();
         let (width, height) = ((columns + 2 * reach) as usize, (lines + 2 * reach + 1) as usize);
-        scratch.rows.resize_with(height.max(scratch.rows.len()), Row::default);
-        for (j, row) in scratch.rows[..height].iter_mut().enumerate() {
+        rows.resize_with(height.max(rows.len()), Row::default);
+        for (j, row) in rows[..height].iter_mut().enumerate() {
             let start = (first.0 - reach, first.1 - reach + j as i32);
-            let largest = plan.largest / side as f32;
             if is_bent {
-                self.lay_out::<true, OPEN>(plan.level, start, width, lens, largest, row);
+                self.lay_out::<true>(plan, (level, open), start, width, lens, row);
             } else {
-                self.lay_out::<false, OPEN>(plan.level, start, width, lens, largest, row);
+                self.lay_out::<false>(plan, (level, open), start, width, lens, row);
             }
         }
 
-        // Sum up eight cells of two rows at a time
         let width = (columns as usize).next_multiple_of(LANES);
-        scratch.sums.iter_mut().for_each(|plane| plane.resize(width * (lines as usize + 1), 0.0));
+        planes.iter_mut().for_each(|plane| plane.resize(width * (lines as usize + 1), 0.0));
         for j in (0..lines).step_by(2) {
-            let rows = &scratch.rows[j as usize..(j + 2 * reach + 2) as usize];
-            scratch.offsets.spans(rows, &mut scratch.spans);
+            let rows = &rows[j as usize..(j + 2 * reach + 2) as usize];
+            offsets.spans(rows, spans);
             for i in (0..columns).step_by(LANES) {
-                if plan.level == 0 && self.in_sight.at(part.x + i, part.y + j) {
+                if level == 0 && self.in_sight.at(part.x + i, part.y + j) {
                     continue;
                 }
-                let mut sums =
-                    self.sum(simd, (rows, &scratch.spans, &scratch.offsets), i as usize, [is_bent, is_elliptic]);
-                for (row, sums) in sums.iter_mut().enumerate() {
-                    if OPEN {
-                        // The weights were divided by the blur radius
-                        let own = &scratch.rows[(j + reach) as usize + row].inverse[(i + reach) as usize..];
-                        let full = sums[0].iter_mut().zip(own).filter(|(_, own)| **own != 0.0);
-                        full.for_each(|(full, own)| *full = (*full / own.abs()).min(1.0));
-                    }
-                    if plan.level == 0 {
-                        put(part.x + i, part.y + j + row as i32, sums);
-                    } else {
-                        let to = (j as usize + row) * width + i as usize;
-                        for (plane, sums) in scratch.sums.iter_mut().zip(sums) {
-                            plane[to..to + LANES].copy_from_slice(sums);
-                        }
-                    }
+                let sums = self.sum(simd, (rows, spans, offsets), i as usize, [is_bent, is_elliptic]);
+                for (row, sums) in sums.into_iter().enumerate() {
+                    let place = (part.x + i, part.y + j + row as i32);
+                    let to = (j as usize + row) * width + i as usize;
+                    take(&rows[reach as usize + row], place, ((i + reach) as usize, to), planes, sums);
                 }
             }
         }
-        if plan.level > 0 {
-            upsample(part, plan.level, &scratch.sums, width, |x, y| !self.in_sight.at(x, y), put);
-        }
+        width
     }
 
     /// Whether the outline upside down is another one.
@@ -108,7 +209,7 @@ impl Lattice<'_> {
         (rows, spans, offsets): (&[Row], &[Span], &Offsets),
         x: usize,
         [is_bent, is_elliptic]: [bool; 2],
-    ) -> [[[f32; LANES]; CHANNELS]; 2] {
+    ) -> [[f32x8<S>; CHANNELS]; 2] {
         let kind = (is_bent, is_elliptic, self.is_odd());
         match (kind, self.is_opaque) {
             ((false, ..), true) => sum::<S, false, false, false, true>(simd, rows, spans, offsets, x),
@@ -124,13 +225,13 @@ impl Lattice<'_> {
 
     /// Lays out `count` cells of a row, starting at `first`.
     #[inline(always)]
-    fn lay_out<const BENT: bool, const OPEN: bool>(
+    fn lay_out<const BENT: bool>(
         &self,
-        level: u32,
+        plan: &Plan,
+        (level, open): (u32, bool),
         first: (i32, i32),
         count: usize,
         lens: &TileLens,
-        largest: f32,
         row: &mut Row,
     ) {
         let level_ref = level.checked_sub(1).map(|i| &self.levels[i as usize]);
@@ -168,6 +269,19 @@ impl Lattice<'_> {
             *inverse = defocus;
         }
 
+        // Other levels take what this one does not
+        let (mut others, largest) = ([false; SPAN], plan.largest_on(level));
+        let others = &mut others[..to - from];
+        if plan.finest < plan.coarsest {
+            self.mark_others(plan, level, (first.0 + from as i32, first.1), lens, others);
+            if others.iter().all(|&is_other| is_other) {
+                row.limit = NOTHING;
+                return;
+            }
+            let own = radii.iter().zip(&*others).filter(|(_, is_other)| !**is_other);
+            row_radius = own.fold(0.0, |most, (&radius, _)| if radius > most { radius } else { most });
+        }
+
         // Edges and weights from the table, kernels from the edges
         let last = (self.table.len() - 1) as f32;
         let [edges, changes] = &mut [[0.0; SPAN]; 2];
@@ -201,7 +315,11 @@ impl Lattice<'_> {
                 *upright = 1.0 - ellipse_share(own);
             }
         }
-        if BENT || OPEN {
+        for (i, _) in others.iter().enumerate().filter(|(_, is_other)| **is_other) {
+            let at = from + i;
+            (row.a[at], row.b[at], row.turn[at], row.weight[at]) = (1.0, 0.0, 0.0, 0.0);
+        }
+        if BENT || open {
             for (inverse, own) in inverse.iter_mut().zip(&*radii) {
                 *inverse = (1.0 / own.max(1.0)).copysign(*inverse);
             }
@@ -241,6 +359,24 @@ impl Lattice<'_> {
         }
         if !BENT {
             row.group((from, to), count, channels + 1);
+        }
+    }
+
+    /// Marks those of the cells from `x` on in a row that a coarser level of the plan takes, or a finer one.
+    #[inline(always)]
+    fn mark_others(&self, plan: &Plan, level: u32, (x, y): (i32, i32), lens: &TileLens, others: &mut [bool]) {
+        if level > plan.finest {
+            others.iter_mut().zip(x..).for_each(|(is_other, x)| *is_other = !self.allows(level, x, y, lens));
+        }
+        let end = x + others.len() as i32;
+        for coarser in level + 1..=plan.coarsest {
+            let shift = coarser - level;
+            for cell in x >> shift..=(end - 1) >> shift {
+                if self.allows(coarser, cell, y >> shift, lens) {
+                    let [from, to] = [cell, cell + 1].map(|cell| ((cell << shift).clamp(x, end) - x) as usize);
+                    others[from..to].fill(true);
+                }
+            }
         }
     }
 
