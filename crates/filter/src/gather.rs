@@ -42,7 +42,7 @@ use crate::{
     prepare::Prepared,
     row::{Footprint, LANES, Round, Row, Shaped},
     taps::{BlockGrid, SIDES_PER_RADIUS, Taps, block_rows},
-    tiles::by_tiles,
+    tiles::{by_tiles, parts},
     upsample::{MARGIN, upsample},
     view_lens::{TileLens, ViewLens},
 };
@@ -166,18 +166,28 @@ impl Gather<'_> {
             #[inline(always)]
             || {
                 let left = self.plain.sum_up::<S, DOUBT>(simd, &self.lens, &mut scratch.lattice, &mut target);
-                let part = left.within(left.tile);
-                if part.is_empty() {
-                    return;
-                }
-                let lens = self.lens.over(left.tile);
-                match self.coarseness(part, &lens) {
-                    0 => {
-                        self.each_pixel::<S, F, DOUBT>(simd, footprint, &lens, part, &left, &mut scratch, &mut target);
+                for of_tile in parts(left.tile) {
+                    let part = left.within(of_tile);
+                    if part.intersection(&target.part).is_empty() {
+                        continue;
                     }
-                    level => {
-                        let cells = (part, level);
-                        self.each_cell::<S, F, DOUBT>(simd, footprint, cells, &left, &mut scratch, &mut target);
+                    let lens = self.lens.over(of_tile);
+                    match self.coarseness(part, &lens) {
+                        0 => {
+                            self.each_pixel::<S, F, DOUBT>(
+                                simd,
+                                footprint,
+                                &lens,
+                                part,
+                                &left,
+                                &mut scratch,
+                                &mut target,
+                            );
+                        }
+                        level => {
+                            let cells = (part, level);
+                            self.each_cell::<S, F, DOUBT>(simd, footprint, cells, &left, &mut scratch, &mut target);
+                        }
                     }
                 }
             },

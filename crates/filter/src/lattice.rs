@@ -15,8 +15,10 @@ use crate::{
     cells::{BLOCK, Cells, EMPTY, InSight, Range, blocks_of, joined},
     color_pyramid::ColorLevel,
     kernel::KernelTable,
+    lattice_sum::STARTS,
     outline::Outline,
     surface::{Surface, Tame},
+    upsample::MARGIN,
     view_lens::{TileLens, ViewLens},
 };
 
@@ -26,8 +28,8 @@ pub(crate) const SIDES_PER_RADIUS: f32 = 8.0;
 /// What the next level does not take has no larger blur radius, in cells: the blur hardly changes over the next level's cell.
 const MOST_BEFORE_COARSER: f32 = 2.0 * SIDES_PER_RADIUS + 2.0;
 
-/// Blurs of more cells are left to the gather, which finds a size for each piece.
-const MOST_CELLS: i32 = 36;
+/// Blurs that reach over more cells are left to the gather, which finds a size for each piece.
+const MOST_CELLS: i32 = 37;
 
 /// Where the defocus of a thing changes by more than this from pixel to pixel, in pixels of radius, kernels of less than the
 /// second are left to the gather.
@@ -84,6 +86,12 @@ impl Plan {
         let largest = self.largest / (1 << level) as f32;
         if level < self.coarsest { largest.min(MOST_BEFORE_COARSER) } else { largest }
     }
+}
+
+/// How many cells to each side a blur of at most `largest` cells reaches.
+pub(crate) fn reach_in_cells(lens: &TileLens, largest: f32) -> i32 {
+    let [along, across] = lens.center.skew;
+    ((largest + 1.0) * lens.stretch * (1.0 + along.hypot(across))) as i32 + 1
 }
 
 impl<'a> Lattice<'a> {
@@ -173,10 +181,13 @@ impl<'a> Lattice<'a> {
         }
         let level = |radius: f32| (radius / SIDES_PER_RADIUS).max(1.0).log2().floor() as u32;
         let [finest, coarsest] = [least, largest].map(|radius| level(radius).min(self.levels.len() as u32));
-        let cells = (largest / (1 << coarsest) as f32 + 1.0) * lens.stretch;
-        let part = part.aligned_to((1 << coarsest).max(BLOCK));
-        let serves = (cells as i32) < MOST_CELLS && lens.center.scale > 0.0;
-        serves.then_some(Plan { part, finest, coarsest, largest })
+        let plan = Plan { part: part.aligned_to((1 << coarsest).max(BLOCK)), finest, coarsest, largest };
+        let serves = (finest..=coarsest).all(|level| {
+            let reach = reach_in_cells(lens, plan.largest_on(level));
+            let columns = (plan.part.width as usize >> level) + 2 * MARGIN as usize;
+            reach <= MOST_CELLS && columns + 2 * reach as usize <= STARTS
+        });
+        (serves && lens.center.scale > 0.0).then_some(plan)
     }
 
     /// The blur radius in pixels of a cell of a level; 0 where there is none.

@@ -5,7 +5,7 @@ use fearless_simd::{f32x8, prelude::*};
 use crate::row::LANES;
 
 /// Cells of a row that a vector may start at, and the room for it.
-const STARTS: usize = 128;
+pub(crate) const STARTS: usize = 128;
 pub(crate) const SPAN: usize = STARTS + LANES;
 
 /// The sum of the weights, then red, green, blue and alpha, divided by it.

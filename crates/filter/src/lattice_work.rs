@@ -5,7 +5,7 @@ use rgbd::PixelWindow;
 
 use crate::{
     kernel::{ellipse_share, mirrored_share},
-    lattice::{LAST_LEVEL, Lattice, Plan, STEPS},
+    lattice::{LAST_LEVEL, Lattice, Plan, STEPS, reach_in_cells},
     lattice_sum::{CHANNELS, Offset, Offsets, Row, SPAN, Span, divided, sum},
     lens_map::PixelLens,
     outline::Outline,
@@ -392,9 +392,7 @@ impl Lattice<'_> {
     /// The offsets that a blur of at most `largest` cells reaches over; those that are there stay where they are the same.
     fn offsets(&self, lens: &TileLens, largest: f32, offsets: &mut Offsets) {
         let center = &lens.center;
-        let skew = center.skew[0].hypot(center.skew[1]);
-        let wider = lens.stretch * (1.0 + skew);
-        let reach = ((largest + 1.0) * wider) as i32 + 1;
+        let reach = reach_in_cells(lens, largest);
         let bend = lens.focus_slope.map(|s| s * center.scale);
         let PixelLens { to_iris: [a, b, c, d], upright, skew: [along, across], .. } = *center;
         let key = (self.run, reach, [a, b, c, d, upright, along, across, bend[0], bend[1]]);
@@ -403,6 +401,7 @@ impl Lattice<'_> {
         }
 
         // What the largest blur of this reach needs
+        let wider = lens.stretch * (1.0 + center.skew[0].hypot(center.skew[1]));
         let limit = self.metric_limit(reach as f32 / wider - 1.0, center);
         let is_disc = matches!(self.outline, Outline::Disc);
         let metrics = |dx: i32, dy: i32| {

@@ -33,7 +33,7 @@ use crate::{
     plain_blocks::{Left, PlainBlocks, Target},
     prepare::Prepared,
     surface::{Surface, pixel_q},
-    tiles::by_tiles,
+    tiles::{by_tiles, parts},
     view_lens::ViewLens,
 };
 
@@ -178,19 +178,20 @@ impl Job<'_> {
             || self.plain.sum_up::<S, DOUBT>(simd, &self.lens, &mut scratch, &mut target),
         );
         SCRATCH.set(scratch);
-        self.left_pixels::<DOUBT>(&left, target);
+        for of_tile in parts(left.tile) {
+            self.left_pixels::<DOUBT>(&left, of_tile.intersection(&part), &mut target);
+        }
     }
 
-    /// The pixels of the blocks that are left.
-    fn left_pixels<const DOUBT: bool>(&self, left: &Left, target: Target) {
-        let Target { part, out } = target;
+    /// The pixels of a part of the tile whose blocks are left.
+    fn left_pixels<const DOUBT: bool>(&self, left: &Left, part: PixelWindow, target: &mut Target) {
         let pixels: Vec<(i32, i32)> = part.pixels().filter(|&(x, y)| left.is_left(x, y)).collect();
         let lenses: Vec<PixelLens> = pixels.iter().map(|&(x, y)| self.lens.at(f64::from(x), f64::from(y))).collect();
         let range = self.range(part, &lenses);
         for (&(x, y), lens) in pixels.iter().zip(&lenses) {
-            let (at, found) = (part.index(x, y), self.pixel::<DOUBT>(x, y, lens, range));
-            (0..4).for_each(|c| out[c][at] = found.rgba[c]);
-            if let (true, [_, _, _, _, doubt, open]) = (DOUBT, &mut *out) {
+            let (at, found) = (target.part.index(x, y), self.pixel::<DOUBT>(x, y, lens, range));
+            (0..4).for_each(|c| target.out[c][at] = found.rgba[c]);
+            if let (true, [_, _, _, _, doubt, open]) = (DOUBT, &mut *target.out) {
                 doubt[at] = found.doubt;
                 open[at] = 1.0 - found.ended;
             }

@@ -10,8 +10,8 @@ use crate::{
     lattice_work::LatticeScratch,
     row::LANES,
     surface::Surface,
-    tiles::TILE,
-    view_lens::ViewLens,
+    tiles::{TILE, parts},
+    view_lens::{TileLens, ViewLens},
 };
 
 /// Blocks in a row of a tile.
@@ -69,22 +69,47 @@ impl PlainBlocks<'_> {
         // Tiles are anchored at pixel (0, 0), so that bands of a picture have the same ones
         let [x, y] = [target.part.x, target.part.y].map(|at| at.div_euclid(TILE as i32) * TILE as i32);
         let tile = PixelWindow { x, y, width: TILE, height: TILE };
-        let lens = lens.over(tile);
         let mut left = Left { tile, blocks: [true; _] };
-        let planned = self.lattice.as_ref().and_then(|lattice| Some((lattice, lattice.plan(tile, &lens)?)));
-        let Some((lattice, plan)) = planned else { return left };
-        for (x, y) in blocks_of(tile).filter(|&(x, y)| !self.in_sight.at(x, y)) {
+        let Some(lattice) = &self.lattice else { return left };
+        let over_tile = lens.over(tile);
+        if over_tile.is_even() {
+            self.sum_up_part::<S, OPEN>(simd, lattice, &over_tile, tile, scratch, target, &mut left);
+        } else {
+            for part in parts(tile) {
+                self.sum_up_part::<S, OPEN>(simd, lattice, &lens.over(part), part, scratch, target, &mut left);
+            }
+        }
+        left
+    }
+
+    /// Sums up those of a part of the tile, and marks them as no longer left.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "all of them change from call to call")]
+    fn sum_up_part<S: Simd, const OPEN: bool>(
+        &self,
+        simd: S,
+        lattice: &Lattice,
+        lens: &TileLens,
+        part: PixelWindow,
+        scratch: &mut LatticeScratch,
+        target: &mut Target,
+        left: &mut Left,
+    ) {
+        if part.intersection(&target.part).is_empty() {
+            return;
+        }
+        let Some(plan) = lattice.plan(part, lens) else { return };
+        for (x, y) in blocks_of(part).filter(|&(x, y)| !self.in_sight.at(x, y)) {
             left.blocks[left.index(x, y)] = false;
         }
         lattice.sum_up::<S, OPEN>(
             simd,
             &plan,
-            &lens,
+            lens,
             scratch,
             #[inline(always)]
             |x, y, sums| self.put_plain(sums, (x, y), target),
         );
-        left
     }
 
     /// Puts eight pixels of a row that were summed up, the first of which is `start`: how full the iris is, and the colour.

@@ -7,7 +7,17 @@ use rayon::prelude::*;
 use rgbd::{Cancelled, PixelWindow, Plane, Progress};
 
 /// Side of a tile in pixels. Tiles are cut at multiples of it, whatever the window.
-pub(crate) const TILE: u32 = 32;
+pub(crate) const TILE: u32 = 64;
+
+/// Side of the parts of a tile over which a lens whose focus changes is taken as one, and over which edges are gathered.
+pub(crate) const PART: u32 = 32;
+
+/// The parts of a tile.
+pub(crate) fn parts(tile: PixelWindow) -> impl Iterator<Item = PixelWindow> {
+    let starts = |from: i32, end: i32| (from..end).step_by(PART as usize);
+    let corners = starts(tile.y, tile.y_end()).flat_map(move |y| starts(tile.x, tile.x_end()).map(move |x| (x, y)));
+    corners.map(|(x, y)| PixelWindow { x, y, width: PART, height: PART })
+}
 
 /// `channels` planes of `window` that `work` makes tile by tile: it receives a tile and its channels, row by row, full of
 /// zeros.
