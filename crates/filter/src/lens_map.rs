@@ -45,7 +45,7 @@ pub(crate) fn skew(camera: &Camera, focus: f64) -> DVec2 {
 }
 
 /// The lens as one pixel sees it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PixelLens {
     /// Inverse depth of focus w(q).
     pub(crate) focus: f32,

@@ -72,7 +72,7 @@ impl PlainBlocks<'_> {
         let mut left = Left { tile, blocks: [true; _] };
         let Some(lattice) = &self.lattice else { return left };
         let over_tile = lens.over(tile);
-        if over_tile.is_even() {
+        if over_tile.is_even {
             self.sum_up_part::<S, OPEN>(simd, lattice, &over_tile, tile, scratch, target, &mut left);
         } else {
             for part in parts(tile) {

@@ -149,7 +149,7 @@ impl Gather<'_> {
             reaches.push(touches[i as usize].reach);
         }
         even.clear();
-        if F::IS_ROUND && lens.is_even() {
+        if F::IS_ROUND && lens.is_even {
             let tap = |&i: &u32| (&pieces[i as usize], &weights[i as usize], touches[i as usize].reach);
             even.extend(order.iter().map(tap).map(|(piece, weight, reach)| EvenTap::new(piece, weight, reach)));
         }

@@ -65,6 +65,7 @@ impl ViewLens<'_> {
             focus_slope: self.focus_slope(),
             spread,
             stretch,
+            is_even: corners.iter().all(|lens| *lens == center),
         }
     }
 
@@ -110,6 +111,8 @@ pub(crate) struct TileLens {
     /// By how much the defocus differs at most from that at the centre, in pixels.
     pub(crate) spread: f32,
     pub(crate) stretch: f32,
+    /// Whether the lens is the same all over the tile.
+    pub(crate) is_even: bool,
     /// Half the width of what is open of the lens where that is least, for a radius of 1.
     narrowest: f32,
 }
@@ -133,11 +136,6 @@ impl TileLens {
     /// The largest one.
     pub(crate) fn largest_radius(&self, range: Range) -> f32 {
         self.center.scale * self.defocus(range)
-    }
-
-    /// Whether the focus is the same all over the tile.
-    pub(crate) fn is_even(&self) -> bool {
-        self.focus[0] == self.focus[1] && self.focus_slope == [0.0; 2]
     }
 
     /// The inverse depth of focus at a point.
