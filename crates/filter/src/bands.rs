@@ -11,13 +11,9 @@ use crate::{
 };
 
 impl Method {
-    /// What [`apply`](crate::apply) allocates at most, its result among it, over the part of the frame that it may read.
-    ///
-    /// 6, but 9 for lens rays, which keep what lies behind and before the first surface as whole surfaces.
-    #[must_use]
-    pub fn memory_factor(&self) -> u64 {
-        if matches!(self, Self::LensRays(_)) { 9 } else { 6 }
-    }
+    /// What [`apply`](crate::apply) allocates at most, its result among it, as a multiple of the part of the frame that it may
+    /// read.
+    pub const MEMORY_FACTOR: u64 = 6;
 }
 
 /// Bytes that one pixel of one layer of a frame takes: colour, depth, and whether it is known.
@@ -54,7 +50,7 @@ fn one_in_bands(
 ) -> Result<Filtered, FilterError> {
     let frame = view.frame();
     let width = u64::from(view.window().width.max(window.width));
-    let row = method.memory_factor() * BYTES * frame.layers().len() as u64 * width;
+    let row = Method::MEMORY_FACTOR * BYTES * frame.layers().len() as u64 * width;
     let rows = memory_limit / row.max(1);
     if rows >= u64::from(view.window().height.max(window.height)) || !view.window().contains_window(&window) {
         return one_frame(view, camera, method, window, progress);

@@ -35,7 +35,20 @@ impl EvenTap {
     pub(crate) fn new(piece: &Piece, weight: &Weight, reach: f32) -> Self {
         let &Piece { x, y, rgba, doubt, .. } = piece;
         let &Weight { kernel, slope, to_lens, trust, sharpness, .. } = weight;
-        Self { x, y, reach, a: kernel.a, b: kernel.b, weight: kernel.weight, slope, to_lens, trust, sharpness, rgba, doubt }
+        Self {
+            x,
+            y,
+            reach,
+            a: kernel.a,
+            b: kernel.b,
+            weight: kernel.weight,
+            slope,
+            to_lens,
+            trust,
+            sharpness,
+            rgba,
+            doubt,
+        }
     }
 
     /// The same with its place relative to `center`.

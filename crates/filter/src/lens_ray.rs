@@ -7,7 +7,7 @@ use glam::Vec2;
 
 use crate::{
     depth_pyramid::{DepthPyramid, LEVELS, Range, SHIFTS},
-    patch::{Patch, Patches},
+    patch::{Patch, Patches, PieceId},
 };
 
 /// A ray by the pixels it passes.
@@ -27,7 +27,7 @@ pub(crate) struct LensRay {
 /// Where a ray meets a surface.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hit {
-    pub(crate) layer: usize,
+    pub(crate) piece: PieceId,
     /// Index of the pixel in the surfaces' window.
     pub(crate) index: usize,
     /// Inverse depth.
@@ -157,13 +157,12 @@ impl LensRay {
         let width = patches.window.width as usize;
         let index = (self.row + visit.dy) as usize * width + (self.column + visit.dx) as usize;
 
-        let layers = patches.of_pixel(index);
-        let mut last = (f32::INFINITY, usize::MAX);
+        let mut last = (f32::INFINITY, None);
         loop {
             // Find the next surface behind the last one
-            let mut next: Option<Hit> = None;
-            for (layer, row) in layers.iter().enumerate() {
-                let patch = &row[index];
+            let mut next: Option<(Hit, usize)> = None;
+            for (order, piece) in patches.of_pixel(index).enumerate() {
+                let patch = patches.patch(piece, index);
                 if !patch.is_there() {
                     continue;
                 }
@@ -178,20 +177,19 @@ impl LensRay {
                 } else {
                     continue;
                 };
-                let key = (hit.0, layer);
-                let is_after = key.0 < last.0 || (key.0 == last.0 && layer > last.1) || last.1 == usize::MAX;
-                if is_after && next.is_none_or(|next| key.0 > next.s) {
-                    next = Some(Hit { layer, index, s: hit.0, offset: center + hit.1, within: hit.1 });
+                let is_after = hit.0 < last.0 || last.1.is_none_or(|last_order| hit.0 == last.0 && order > last_order);
+                if is_after && next.is_none_or(|(next, _)| hit.0 > next.s) {
+                    next = Some((Hit { piece, index, s: hit.0, offset: center + hit.1, within: hit.1 }, order));
                 }
             }
-            let Some(hit) = next else { return true };
+            let Some((hit, order)) = next else { return true };
             if !meet(hit) {
                 return false;
             }
-            if layers.len() == 1 {
+            if patches.is_single(index) {
                 return true;
             }
-            last = (hit.s, hit.layer);
+            last = (hit.s, Some(order));
         }
     }
 
@@ -219,8 +217,8 @@ impl LensRay {
         }
         let index = row as usize * window.width as usize + column as usize;
         let at = self.offset(visit.enter) - Vec2::new(dx as f32, dy as f32);
-        patches.of_pixel(index).iter().any(|layer| {
-            let before = &layer[index];
+        patches.of_pixel(index).any(|piece| {
+            let before = patches.patch(piece, index);
             let in_front = visit.enter - before.at(at.x, at.y);
             before.is_there() && in_front >= 0.0 && in_front + behind <= patch.slack
         })
@@ -237,7 +235,7 @@ pub(crate) fn floor(value: f32) -> i32 {
 /// The pixel ranges of inverse depth that a ray must look into.
 pub(crate) fn pixel_ranges(patches: &Patches) -> Vec<Range> {
     let range = |i: usize| {
-        let there = patches.of_pixel(i).iter().map(|layer| &layer[i]).filter(|patch| patch.is_there());
+        let there = patches.of_pixel(i).map(|piece| patches.patch(piece, i)).filter(|patch| patch.is_there());
         // A hair more, for what rounding may do
         let hair = |patch: &Patch| 1e-5 * (patch.s.abs() + patch.rise());
         there.fold(Range::EMPTY, |range, patch| {

@@ -29,7 +29,7 @@ use crate::{
     lens_map::{PixelLens, skew, spread},
     lens_points::{LensPoints, open_points},
     lens_ray::{Hit, LensRay, floor, pixel_ranges},
-    patch::Patches,
+    patch::{Patches, PieceId},
     plain_blocks::{Left, PlainBlocks, Target},
     prepare::Prepared,
     surface::{Surface, pixel_q},
@@ -68,7 +68,7 @@ struct Job<'a> {
     lens: ViewLens<'a>,
     plain: PlainBlocks<'a>,
     max_radius: f32,
-    surfaces: &'a [Surface],
+    first: &'a Surface,
     patches: Patches,
     pyramid: DepthPyramid,
     /// Rays of a pixel, their points, and so many that they stand for the whole lens.
@@ -104,9 +104,9 @@ pub(crate) fn lens_rays(
     window: PixelWindow,
     progress: &dyn Progress,
 ) -> Result<Gathered, Cancelled> {
-    let (surfaces, cells) = Prepared::new(view, camera, run.layers, run.fill_reach, run.sides).into_surfaces();
+    let (first, beside, cells) = Prepared::new(view, camera, run.layers, run.fill_reach, run.sides).into_layers();
     let blur = camera.pixels_per_defocus().max_element() as f32;
-    let patches = Patches::new(&surfaces, (SEAMLESS_PX / blur).min(1e6));
+    let patches = Patches::new(&first, beside, (SEAMLESS_PX / blur).min(1e6));
     let pyramid = DepthPyramid::new(patches.window, pixel_ranges(&patches));
     let shape = camera.iris.shape();
     // Of a cat's eye only the open points serve: have as many more
@@ -121,10 +121,10 @@ pub(crate) fn lens_rays(
     // The lattice knows the skew of a leaning iris to second order only, which is less than rays do, and no cat's eye
     let has_eye = camera.iris.cat_eye() > 0.0;
     let is_plain = table.is_round() && !has_eye && camera.iris.e1().z == 0.0 && camera.iris.e2().z == 0.0;
-    let lattice = is_plain.then(|| Lattice::new(&lens, &surfaces[0], &cells, &in_sight, &table, limits));
-    let plain = PlainBlocks { in_sight: &in_sight, lattice, first: &surfaces[0] };
-    let (samples, max_radius, surfaces) = (run.samples as usize, run.max_radius, surfaces.as_slice());
-    let job = Job { lens, plain, max_radius, surfaces, patches, pyramid, samples, points, many_points, fetch };
+    let lattice = is_plain.then(|| Lattice::new(&lens, &first, &cells, &in_sight, &table, limits));
+    let plain = PlainBlocks { in_sight: &in_sight, lattice, first: &first };
+    let (samples, max_radius, first) = (run.samples as usize, run.max_radius, &first);
+    let job = Job { lens, plain, max_radius, first, patches, pyramid, samples, points, many_points, fetch };
     let level = Level::new();
     let channels = if run.doubt { 6 } else { 4 };
     let planes = by_tiles(window, channels, progress, |part, out| {
@@ -284,10 +284,11 @@ impl Job<'_> {
         let width = self.patches.window.width as i32;
         let is_near = |low: i32| (-1..=0).contains(&low);
         let mut found = Found::default();
-        if is_near(left) && is_near(top) && self.patches.is_seamless(hit.layer, hit.index) {
+        if is_near(left) && is_near(top) && self.patches.is_seamless(hit.piece, hit.index) {
             let first = (hit.index as i32 + top * width + left) as usize;
             for (i, weight) in [0, 1, width as usize, width as usize + 1].into_iter().zip(weights) {
-                found.add(weight, &self.own::<DOUBT>(hit.layer, first + i));
+                let piece = self.patches.in_layer_of(hit.piece, first + i).unwrap_or(hit.piece);
+                found.add(weight, &self.own::<DOUBT>(piece, first + i));
             }
             return found;
         }
@@ -306,22 +307,29 @@ impl Job<'_> {
         let (column, row) = (hit.index as i32 % window.width as i32 + dx, hit.index as i32 / window.width as i32 + dy);
         let (x, y) = (window.x + column, window.y + row);
         if (dx, dy) == (0, 0) || !window.contains(x, y) {
-            return self.own::<DOUBT>(hit.layer, hit.index);
+            return self.own::<DOUBT>(hit.piece, hit.index);
         }
         let index = window.index(x, y);
-        match self.patches.next_layer(hit.layer, hit.index, dx, dy, index) {
-            Some(layer) => self.own::<DOUBT>(layer, index),
-            None => self.own::<DOUBT>(hit.layer, hit.index),
+        match self.patches.next(hit.piece, hit.index, dx, dy, index) {
+            Some(piece) => self.own::<DOUBT>(piece, index),
+            None => self.own::<DOUBT>(hit.piece, hit.index),
         }
     }
 
-    /// A pixel of a surface as it is.
+    /// A piece of a pixel as it is.
     #[inline(always)]
-    fn own<const DOUBT: bool>(&self, layer: usize, index: usize) -> Found {
-        let surface = &self.surfaces[layer];
-        let cover = surface.cover[index];
-        let doubt = if DOUBT { cover * surface.doubt[index] } else { 0.0 };
-        Found { rgba: surface.rgba[index], doubt, ended: cover }
+    fn own<const DOUBT: bool>(&self, piece: PieceId, index: usize) -> Found {
+        let (rgba, cover, doubt) = match piece {
+            PieceId::First => {
+                let doubt = if DOUBT { self.first.doubt[index] } else { 0.0 };
+                (self.first.rgba[index], self.first.cover[index], doubt)
+            }
+            PieceId::Beside(k) => {
+                let fragment = self.patches.fragment(k);
+                (fragment.rgba, fragment.cover, fragment.doubt)
+            }
+        };
+        Found { rgba, doubt: cover * doubt, ended: cover }
     }
 }
 

@@ -22,6 +22,7 @@
 
 mod apply;
 mod bands;
+mod beside;
 mod cat_eye;
 mod cells;
 mod color_pyramid;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use rgbd::PixelWindow;
 
-use crate::surface::Surface;
+use crate::{beside::Beside, fragment::Fragment, surface::Surface};
 
 /// Inverse depth over one pixel, `s + gx dx + gy dy` at an offset (x right, y down) from its centre.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,28 +41,6 @@ impl Patch {
     }
 }
 
-/// The patches of a surface. `slack` is the step in inverse depth that does not count as an edge; `is_whole` tells that
-/// slopes are to be found from the pixels around, where the surface's own ones serve only beside nothing.
-fn patches(surface: &Surface, slack: f32, is_whole: bool) -> Vec<Patch> {
-    let window = surface.window;
-    let value = |x: i32, y: i32| {
-        let i = window.contains(x, y).then(|| window.index(x, y))?;
-        (surface.cover[i] > 0.0).then_some(surface.inverse_depth[i])
-    };
-    let patch = |(x, y): (i32, i32)| {
-        let i = window.index(x, y);
-        if surface.cover[i] <= 0.0 {
-            return Patch::NOTHING;
-        }
-        let alone = if is_whole { [0.0; 2] } else { surface.slope(i, (x - window.x) as usize) };
-        let gx = slope([-2, -1, 0, 1, 2].map(|d| value(x + d, y)), slack, alone[0]);
-        let gy = slope([-2, -1, 0, 1, 2].map(|d| value(x, y + d)), slack, alone[1]);
-        let patch = Patch { s: surface.inverse_depth[i], gx, gy, slack };
-        Patch { slack: slack + patch.rise(), ..patch }
-    };
-    window.pixels().map(patch).collect()
-}
-
 /// The slope at the middle one of five values in a row: central where they lie on one line, else that of the side which
 /// is straighter (Harten's ENO choice); `alone` where neither side goes on as a surface does.
 fn slope(values: [Option<f32>; 5], slack: f32, alone: f32) -> f32 {
@@ -93,54 +71,132 @@ fn slope(values: [Option<f32>; 5], slack: f32, alone: f32) -> f32 {
     best.1
 }
 
+/// A piece of surface of a pixel: its first one, or one beside it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum PieceId {
+    First,
+    Beside(usize),
+}
+
 /// All patches of all surfaces, and what lies where.
 pub(crate) struct Patches {
     pub(crate) window: PixelWindow,
-    /// By surface, row by row.
-    pub(crate) layers: Vec<Vec<Patch>>,
-    /// By surface, row by row: whether all eight neighbours lie on the same surface in the same layer.
-    seamless: Vec<Vec<bool>>,
-    /// Row by row: after how many surfaces nothing more comes in a pixel.
-    depths: Vec<u16>,
+    /// The first surface's, row by row, and those of the pieces beside it.
+    first: Vec<Patch>,
+    of_beside: Vec<Patch>,
+    /// Whether all eight neighbours lie on the same surface in the same layer.
+    is_first_seamless: Vec<bool>,
+    is_beside_seamless: Vec<bool>,
+    beside: Beside,
 }
 
 impl Patches {
-    /// The patches of `surfaces`, of which the first fills the window.
-    pub(crate) fn new(surfaces: &[Surface], slack: f32) -> Self {
-        let window = surfaces[0].window;
-        let layers: Vec<Vec<Patch>> =
-            surfaces.par_iter().enumerate().map(|(n, surface)| patches(surface, slack, n == 0)).collect();
-        let depth = |i: usize| surfaces.iter().rposition(|surface| surface.cover[i] > 0.0).map_or(0, |n| n + 1);
-        let depths = (0..window.area()).into_par_iter().map(|i| depth(i).min(usize::from(u16::MAX)) as u16).collect();
-        let is_seamless = |patches: &Vec<Patch>, x: i32, y: i32| {
-            let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-            let patch = &patches[window.index(x, y)];
+    /// The patches of the `first` surface, which fills the window, and of what is `beside` it. `slack` is the step in inverse
+    /// depth that does not count as an edge.
+    pub(crate) fn new(first: &Surface, beside: Beside, slack: f32) -> Self {
+        let window = first.window;
+        let place = |i: usize| {
+            let (column, row) = (i as i32 % window.width as i32, i as i32 / window.width as i32);
+            (window.x + column, window.y + row)
+        };
+
+        // Slopes are found from the pixels around; beside nothing a piece has its own
+        let fragments = beside.fragments();
+        let value = |layer: u16, x: i32, y: i32| {
+            let i = window.contains(x, y).then(|| window.index(x, y))?;
+            if layer == 0 {
+                return (first.cover[i] > 0.0).then_some(first.inverse_depth[i]);
+            }
+            beside.in_layer(i, layer).map(|k| fragments[k].inverse_depth)
+        };
+        let patch = |layer: u16, (x, y): (i32, i32), alone: [f32; 2]| {
+            let Some(s) = value(layer, x, y) else { return Patch::NOTHING };
+            let gx = slope([-2, -1, 0, 1, 2].map(|d| value(layer, x + d, y)), slack, alone[0]);
+            let gy = slope([-2, -1, 0, 1, 2].map(|d| value(layer, x, y + d)), slack, alone[1]);
+            let patch = Patch { s, gx, gy, slack };
+            Patch { slack: slack + patch.rise(), ..patch }
+        };
+        let first_patches = (0..window.area()).into_par_iter().map(|i| patch(0, place(i), [0.0; 2])).collect();
+        let of_fragment = |k: usize| patch(beside.layer(k), place(fragments[k].index as usize), fragments[k].slope);
+        let of_beside = (0..fragments.len()).into_par_iter().map(of_fragment).collect();
+
+        let mut patches = Self {
+            window,
+            first: first_patches,
+            of_beside,
+            is_first_seamless: Vec::new(),
+            is_beside_seamless: Vec::new(),
+            beside,
+        };
+        let is_seamless = |piece: PieceId, i: usize| {
+            let ((x, y), patch) = (place(i), patches.patch(piece, i));
+            let mut around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
             patch.is_there()
-                && around.into_iter().all(|(dx, dy)| {
-                    window.contains(x + dx, y + dy) && patch.goes_on(dx, dy, &patches[window.index(x + dx, y + dy)])
+                && around.all(|(dx, dy)| {
+                    let goes_on = |i: usize| {
+                        let other = patches.in_layer_of(piece, i)?;
+                        Some(patch.goes_on(dx, dy, patches.patch(other, i)))
+                    };
+                    window.contains(x + dx, y + dy) && goes_on(window.index(x + dx, y + dy)).unwrap_or(false)
                 })
         };
-        let seamless = |patches| window.pixels().map(|(x, y)| is_seamless(patches, x, y)).collect();
-        let seamless = layers.par_iter().map(seamless).collect();
-        Self { window, layers, seamless, depths }
+        let is_first_seamless = (0..window.area()).into_par_iter().map(|i| is_seamless(PieceId::First, i)).collect();
+        let fragments = patches.beside.fragments();
+        let of_fragment = |k: usize| is_seamless(PieceId::Beside(k), fragments[k].index as usize);
+        let is_beside_seamless = (0..fragments.len()).into_par_iter().map(of_fragment).collect();
+        (patches.is_first_seamless, patches.is_beside_seamless) = (is_first_seamless, is_beside_seamless);
+        patches
     }
 
-    /// The surfaces that a pixel may hold.
+    /// The patch of a piece of a pixel.
     #[inline(always)]
-    pub(crate) fn of_pixel(&self, index: usize) -> &[Vec<Patch>] {
-        &self.layers[..usize::from(self.depths[index])]
+    pub(crate) fn patch(&self, piece: PieceId, index: usize) -> &Patch {
+        match piece {
+            PieceId::First => &self.first[index],
+            PieceId::Beside(k) => &self.of_beside[k],
+        }
     }
 
-    /// Whether all eight neighbours of a pixel lie on its surface, in the same layer.
+    /// The pieces of a pixel, first surface first.
     #[inline(always)]
-    pub(crate) fn is_seamless(&self, layer: usize, index: usize) -> bool {
-        self.seamless[layer][index]
+    pub(crate) fn of_pixel(&self, index: usize) -> impl Iterator<Item = PieceId> + use<> {
+        std::iter::once(PieceId::First).chain(self.beside.of_pixel(index).map(PieceId::Beside))
     }
 
-    /// The layer that goes on with the surface of a pixel at the neighbour at (dx, dy); its own, where that does.
-    pub(crate) fn next_layer(&self, layer: usize, index: usize, dx: i32, dy: i32, neighbour: usize) -> Option<usize> {
-        let patch = &self.layers[layer][index];
-        let goes_on = |&other: &usize| patch.goes_on(dx, dy, &self.layers[other][neighbour]);
-        std::iter::once(layer).chain(0..usize::from(self.depths[neighbour])).find(goes_on)
+    /// Whether a pixel holds no more than its first surface.
+    #[inline(always)]
+    pub(crate) fn is_single(&self, index: usize) -> bool {
+        self.beside.of_pixel(index).is_empty()
+    }
+
+    /// What else is known of a piece beside the first surface.
+    #[inline(always)]
+    pub(crate) fn fragment(&self, k: usize) -> &Fragment {
+        &self.beside.fragments()[k]
+    }
+
+    /// Whether all eight neighbours of a piece's pixel lie on its surface, in the same layer.
+    #[inline(always)]
+    pub(crate) fn is_seamless(&self, piece: PieceId, index: usize) -> bool {
+        match piece {
+            PieceId::First => self.is_first_seamless[index],
+            PieceId::Beside(k) => self.is_beside_seamless[k],
+        }
+    }
+
+    /// The piece of a pixel in the layer of another piece.
+    #[inline(always)]
+    pub(crate) fn in_layer_of(&self, piece: PieceId, index: usize) -> Option<PieceId> {
+        match piece {
+            PieceId::First => Some(PieceId::First),
+            PieceId::Beside(k) => self.beside.in_layer(index, self.beside.layer(k)).map(PieceId::Beside),
+        }
+    }
+
+    /// The piece that goes on with the surface of another at the neighbour at (dx, dy); that in its own layer, where it does.
+    pub(crate) fn next(&self, piece: PieceId, index: usize, dx: i32, dy: i32, neighbour: usize) -> Option<PieceId> {
+        let patch = self.patch(piece, index);
+        let goes_on = |&other: &PieceId| patch.goes_on(dx, dy, self.patch(other, neighbour));
+        self.in_layer_of(piece, neighbour).into_iter().chain(self.of_pixel(neighbour)).find(goes_on)
     }
 }

@@ -5,10 +5,11 @@ use rgbd::PixelWindow;
 
 use crate::{
     FrameView, Sides,
+    beside::Beside,
     cells::Cells,
     fill::{FillLimits, fill},
     fragment::Fragment,
-    surface::{Surface, Tame, pixel_q},
+    surface::{Surface, pixel_q},
     unmix::{least_jump, neighbours, splits},
 };
 
@@ -108,55 +109,15 @@ impl Prepared {
         }
     }
 
-    /// The first surface, then what lies behind it, the k-th piece of each pixel in the k-th surface, and last what lies
-    /// before it: the near parts of silhouettes.
-    ///
-    /// What is nearer than the first surface but no such part contradicts the picture and is left out. The cells come with
-    /// them.
-    pub(crate) fn into_surfaces(self) -> (Vec<Surface>, Cells) {
-        let Self { first, fragments, cells, .. } = self;
-        let empty = || Surface {
-            window: first.window,
-            inverse_depth: vec![0.0; first.cover.len()],
-            slopes: vec![[0.0; 2]; first.cover.len()],
-            rgba: vec![[0.0; 4]; first.cover.len()],
-            cover: vec![0.0; first.cover.len()],
-            tame: Tame::default(),
-            doubt: vec![0.0; first.cover.len()],
-        };
-        let (mut behind, mut before): (Vec<Surface>, Option<Surface>) = (Vec::new(), None);
-        for of_pixel in fragments.chunk_by(|a, b| a.index == b.index) {
-            let here = first.inverse_depth[of_pixel[0].index as usize];
-            if let Some(part) = of_pixel.iter().find(|f| f.is_before && f.inverse_depth > here) {
-                before.get_or_insert_with(empty).put(part);
-            }
-            let mut farther: Vec<&Fragment> = of_pixel.iter().filter(|f| f.inverse_depth <= here).collect();
-            farther.sort_by(|a, b| b.inverse_depth.total_cmp(&a.inverse_depth));
-            for (k, fragment) in farther.into_iter().enumerate() {
-                if behind.len() == k {
-                    behind.push(empty());
-                }
-                behind[k].put(fragment);
-            }
-        }
-        (std::iter::once(first).chain(behind).chain(before).collect(), cells)
+    /// The first surface, what pixels hold beside it, and the cells.
+    pub(crate) fn into_layers(self) -> (Surface, Beside, Cells) {
+        let beside = Beside::new(&self.first, self.fragments);
+        (self.first, beside, self.cells)
     }
 
     /// The pixels that it covers.
     pub(crate) fn window(&self) -> PixelWindow {
         self.first.window
-    }
-}
-
-impl Surface {
-    /// Puts a fragment into its pixel.
-    fn put(&mut self, fragment: &Fragment) {
-        let i = fragment.index as usize;
-        self.inverse_depth[i] = fragment.inverse_depth;
-        self.slopes[i] = fragment.slope;
-        self.rgba[i] = fragment.rgba;
-        self.cover[i] = fragment.cover;
-        self.doubt[i] = fragment.doubt;
     }
 }
 

@@ -83,10 +83,10 @@ fn no_method_takes_more_memory_than_it_says_and_bands_keep_to_their_limit_and_th
             let (whole, peak) = peak_of(|| apply(&view, &camera, method, window, &Silent).unwrap());
             let times = peak as f64 / bytes as f64;
             let what = format!("{}, {layers} layers, radius {radius}", method.name());
-            assert!(times < method.memory_factor() as f64, "{what}: {times:.2} times the frame");
+            assert!(times < Method::MEMORY_FACTOR as f64, "{what}: {times:.2} times the frame");
 
             // Half of what all of it may take: bands and their margins, where the reach is short enough
-            let limit = method.memory_factor() * bytes as u64 / 2;
+            let limit = Method::MEMORY_FACTOR * bytes as u64 / 2;
             let (banded, peak) = peak_of(|| apply_in_bands(&view, &camera, method, window, limit, &Silent).unwrap());
             assert!(banded == whole, "{what}: bands differ");
             // What was joined stands beside the band, and the first band with it: picture and predicted error
