@@ -2,11 +2,11 @@
 //!
 //! An untilted lens is like that, and a tap then takes half as many operations as in [`add_up`](crate::row::add_up).
 
-use fearless_simd::{f32x8, prelude::*};
+use fearless_simd::prelude::*;
 
 use crate::{
     forest::Piece,
-    row::{Hidden, Sums},
+    row::{COLUMNS, Hidden, LANES, Sums},
     tap::Weight,
 };
 
@@ -58,30 +58,56 @@ impl EvenTap {
     }
 }
 
-/// Adds up a slab for eight pixels in a row, with regard to what is `hidden`.
+/// The pixels that are gathered at once: the offsets of each from the centre of the block, and how far their rows lie from
+/// `middle`.
+pub(crate) struct Places<V> {
+    x: V,
+    y: V,
+    middle: f32,
+    half: f32,
+}
+
+impl<V> Places<V> {
+    /// Eight pixels `step` apart in each of the rows at `ys`.
+    #[inline(always)]
+    pub(crate) fn new<S: Simd, const ROWS: usize>(simd: S, step: f32, ys: [f32; ROWS]) -> Self
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        let (mut x, mut y) = (V::splat(simd, 0.0), V::splat(simd, 0.0));
+        for (row, place) in ys.into_iter().enumerate() {
+            for (i, column) in COLUMNS.into_iter().enumerate() {
+                (x[row * LANES + i], y[row * LANES + i]) = (column * step, place);
+            }
+        }
+        let [first, last] = [ys[0], ys[ROWS - 1]];
+        Self { x, y, middle: 0.5 * (first + last), half: 0.5 * (last - first) }
+    }
+}
+
+/// Adds up a slab, with regard to what is `hidden`.
 #[inline(always)]
-pub(crate) fn add_up_even<S: Simd, const DOUBT: bool>(
+pub(crate) fn add_up_even<S: Simd, V: SimdFloat<S, Element = f32>, const DOUBT: bool>(
     simd: S,
     taps: &[EvenTap],
-    (x, y): (f32x8<S>, f32),
-    hidden: Option<&Hidden<S>>,
-) -> Sums<S> {
-    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    at: &Places<V>,
+    hidden: Option<&Hidden<V>>,
+) -> Sums<V> {
+    let zero = V::splat(simd, 0.0);
     let mut sums = Sums { full: zero, rgba: [zero; 4], lens: [zero; 2], doubt: zero };
     for tap in taps {
-        let dy = tap.y - y;
-        if dy.abs() > tap.reach {
+        if (tap.y - at.middle).abs() - at.half > tap.reach {
             continue;
         }
-        let dx = f32x8::splat(simd, tap.x) - x;
-        let of_row = f32x8::splat(simd, tap.a - tap.b * dy * dy);
-        let mut share = (dx * dx).mul_add(-tap.b, of_row).max(0.0).min(tap.weight);
-        let slope = dx.mul_add(tap.slope[0], f32x8::splat(simd, tap.slope[1] * dy + 1.0));
+        let [dx, dy] = [V::splat(simd, tap.x) - at.x, V::splat(simd, tap.y) - at.y];
+        let squared = dx.mul_add(dx, dy * dy);
+        let mut share = squared.mul_add(-tap.b, tap.a).max(0.0).min(tap.weight);
+        let slope = dx.mul_add(tap.slope[0], dy.mul_add(tap.slope[1], 1.0));
         share *= slope.max(0.5).min(2.0);
         if let Some(hidden) = hidden {
-            let along = dx.mul_add(hidden.direction[0], hidden.direction[1] * dy) * tap.to_lens;
+            let along = dx.mul_add(hidden.direction[0], dy * hidden.direction[1]) * tap.to_lens;
             let open = ((hidden.edge - along) * tap.sharpness + 0.5).max(0.0).min(1.0);
-            share *= (hidden.strength * tap.trust).mul_add(open - 1.0, one);
+            share *= (hidden.strength * tap.trust).mul_add(open - 1.0, 1.0);
         }
 
         sums.full += share;

@@ -17,6 +17,9 @@ use crate::{
 /// Pixels across.
 pub(crate) const LANES: usize = 8;
 
+/// Where they lie around their middle.
+pub(crate) const COLUMNS: [f32; LANES] = [-3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5];
+
 /// A piece as the pixels of a block see it; places relative to the block's centre.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BlockTap {
@@ -217,52 +220,55 @@ impl Footprint for Shaped<'_> {
 }
 
 /// What a slab adds up while its taps pass.
-pub(crate) struct Sums<S: Simd> {
-    pub(crate) full: f32x8<S>,
-    pub(crate) rgba: [f32x8<S>; 4],
+pub(crate) struct Sums<V> {
+    pub(crate) full: V,
+    pub(crate) rgba: [V; 4],
     /// Weight times lens point.
-    pub(crate) lens: [f32x8<S>; 2],
-    pub(crate) doubt: f32x8<S>,
+    pub(crate) lens: [V; 2],
+    pub(crate) doubt: V,
 }
 
 /// The part of the lens that nearer things hide: the points beyond `edge` in a direction.
-pub(crate) struct Hidden<S: Simd> {
-    pub(crate) direction: [f32x8<S>; 2],
-    pub(crate) edge: f32x8<S>,
+pub(crate) struct Hidden<V> {
+    pub(crate) direction: [V; 2],
+    pub(crate) edge: V,
     /// How far the hidden points lie on one side, 0 to 1.
-    pub(crate) strength: f32x8<S>,
+    pub(crate) strength: V,
 }
 
-impl<S: Simd> Hidden<S> {
+impl<V> Hidden<V> {
     /// From the share of the lens that is hidden and the sum of share times lens point: a half plane that hides as much,
     /// believed as far as its centroid is that of a half plane.
     #[inline(always)]
-    fn new(simd: S, [share, x, y]: [f32x8<S>; 3]) -> Self {
+    fn new<S: Simd>(simd: S, [share, x, y]: [V; 3]) -> Self
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
         let length = x.mul_add(x, y * y).sqrt();
-        let scale = f32x8::splat(simd, 1.0) / length.max(1e-12);
+        let scale = V::splat(simd, 1.0) / length.max(1e-12);
         // The chord at distance t cuts (acos t - t sqrt(1 - t^2)) / pi off the unit disc; this is its inverse within 0.01
         let open = (share * -2.0 + 1.0).max(-1.0).min(1.0);
         let edge = open * (open * open * (1.0 - FRAC_PI_4) + FRAC_PI_4);
-        let half = (edge * -1.0).mul_add(edge, f32x8::splat(simd, 1.0)).max(0.0);
+        let half = (edge * -1.0).mul_add(edge, V::splat(simd, 1.0)).max(0.0);
         let moment = half * half.sqrt() * (2.0 / (3.0 * PI));
         let strength = (length / moment.max(1e-3)).min(1.0);
         Self { direction: [x * scale, y * scale], edge, strength }
     }
 }
 
-/// Gathers eight pixels of a row, nearest slab first, until the iris of each is full.
+/// Gathers the pixels of a vector, nearest slab first, until the iris of each is full.
 ///
 /// `add_up` adds up the taps of a slab, of which a part of the lens may be hidden.
 #[inline(always)]
-pub(crate) fn gather_row<S: Simd>(
+pub(crate) fn gather<S: Simd, V: SimdFloat<S, Element = f32>>(
     simd: S,
     slabs: &[Slab],
-    add_up: impl Fn(std::ops::Range<usize>, Option<&Hidden<S>>) -> Sums<S>,
-) -> Row {
-    let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+    add_up: impl Fn(std::ops::Range<usize>, Option<&Hidden<V>>) -> Sums<V>,
+) -> Gathered<V> {
+    let (zero, one) = (V::splat(simd, 0.0), V::splat(simd, 1.0));
     let (mut full, mut rgba, mut doubt) = (zero, [zero; 4], zero);
     // What hides the slabs to come, and the last slab, which hides only what does not touch it
-    let (mut seen, mut last, mut last_bin) = ([zero; 3], [zero; 3], f32x8::splat(simd, f32::MAX));
+    let (mut seen, mut last, mut last_bin) = ([zero; 3], [zero; 3], V::splat(simd, f32::MAX));
     let mut start = 0;
     for slab in slabs {
         if full.simd_ge(1.0).all_true() {
@@ -301,16 +307,29 @@ pub(crate) fn gather_row<S: Simd>(
             *seen += is_there.select(*last, zero);
             *last = is_there.select(new, *last);
         }
-        last_bin = is_there.select(f32x8::splat(simd, bin), last_bin);
+        last_bin = is_there.select(V::splat(simd, bin), last_bin);
     }
 
-    let mut row = Row::default();
-    full.store_slice(&mut row.full);
-    doubt.store_slice(&mut row.doubt);
-    for (to, from) in row.rgba.iter_mut().zip(rgba) {
-        from.store_slice(to);
+    Gathered { rgba, full, doubt }
+}
+
+/// What the pixels of a vector gathered, as in [`Row`].
+pub(crate) struct Gathered<V> {
+    rgba: [V; 4],
+    full: V,
+    doubt: V,
+}
+
+impl<V> Gathered<V> {
+    /// The row of its pixels from `start` on.
+    #[inline(always)]
+    pub(crate) fn row<S: Simd>(&self, start: usize) -> Row
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        let lanes = |v: &V| *v.as_slice()[start..].first_chunk().expect("eight lanes from a multiple of eight on");
+        Row { rgba: [0, 1, 2, 3].map(|c| lanes(&self.rgba[c])), full: lanes(&self.full), doubt: lanes(&self.doubt) }
     }
-    row
 }
 
 /// Adds up a slab: doubt if it is wanted, lens points if another slab comes, with regard to what is `hidden` or not.
@@ -324,8 +343,8 @@ pub(crate) fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool>
     taps: &[BlockTap],
     (x, y): (f32x8<S>, f32),
     by: &[f32; LANES],
-    hidden: Option<&Hidden<S>>,
-) -> Sums<S> {
+    hidden: Option<&Hidden<f32x8<S>>>,
+) -> Sums<f32x8<S>> {
     let (zero, defocus) = (f32x8::splat(simd, 0.0), f32x8::from_slice(simd, by));
     let mut sums = Sums { full: zero, rgba: [zero; 4], lens: [zero; 2], doubt: zero };
     for tap in taps {

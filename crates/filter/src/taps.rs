@@ -1,15 +1,15 @@
 //! What may touch a tile, and what of it may touch a block.
 
-use fearless_simd::{f32x8, prelude::*};
+use fearless_simd::{f32x8, f32x16, prelude::*};
 use rgbd::PixelWindow;
 
 use crate::{
     cells::Range,
-    even_taps::{EvenTap, add_up_even},
+    even_taps::{EvenTap, Places, add_up_even},
     forest::Piece,
     gather::Gather,
     lens_map::PixelLens,
-    row::{BlockTap, Footprint, LANES, Row, Shared, Slab, add_up, gather_row},
+    row::{BlockTap, COLUMNS, Footprint, Gathered, LANES, Row, Shared, Slab, add_up, gather},
     tap::Weight,
     view_lens::TileLens,
 };
@@ -186,26 +186,38 @@ impl Gather<'_> {
 
         let shared = Shared { lens: &lens, table: &self.table, max_radius: self.max_radius };
         let Taps { even, block, even_block, slabs, .. } = scratch;
-        let columns = f32x8::from_slice(simd, &[-3.5, -2.5, -1.5, -0.5, 0.5, 1.5, 2.5, 3.5]) * step;
+        if !even.is_empty() {
+            // Two rows at once where a vector holds them
+            let mut put_wanted = |from: u32, gathered: [Option<Row>; 2]| {
+                let wanted = (from..).zip(gathered).filter(|&(row, _)| is_wanted(row));
+                wanted.for_each(|(row, gathered)| gathered.iter().for_each(|gathered| put(row, gathered)));
+            };
+            let place = |row: u32| row as f32 * step - half[1];
+            if S::f32s::LEN >= 2 * LANES {
+                for row in (0..rows).step_by(2).filter(|&row| is_wanted(row) || is_wanted(row + 1)) {
+                    let at = Places::<f32x16<S>>::new(simd, step, [place(row), place(row + 1)]);
+                    let found = gather_even::<_, _, DOUBT>(simd, slabs, even_block, &at);
+                    put_wanted(row, [found.row(0), found.row(LANES)].map(Some));
+                }
+            } else {
+                for row in (0..rows).filter(|&row| is_wanted(row)) {
+                    let at = Places::<f32x8<S>>::new(simd, step, [place(row)]);
+                    let found = gather_even::<_, _, DOUBT>(simd, slabs, even_block, &at);
+                    put_wanted(row, [Some(found.row(0)), None]);
+                }
+            }
+            return;
+        }
+        let columns = f32x8::from_slice(simd, &COLUMNS) * step;
         for row in (0..rows).filter(|&row| is_wanted(row)) {
             let place = (columns, row as f32 * step - half[1]);
-            if !even.is_empty() {
-                let gathered = gather_row(
-                    simd,
-                    slabs,
-                    #[inline(always)]
-                    |part, hidden| add_up_even::<S, DOUBT>(simd, &even_block[part], place, hidden),
-                );
-                put(row, &gathered);
-                continue;
-            }
             let mut by = [0.0; LANES];
             for (i, by) in by.iter_mut().enumerate() {
                 *by = corner + across * i as f32 + down * row as f32;
             }
             let eye = |i: usize| self.lens.eye_at(f64::from(x + step * i as f32), f64::from(y + step * row as f32));
             let footprint = footprint.over_row(|| std::array::from_fn(eye));
-            let gathered = gather_row(
+            let gathered = gather(
                 simd,
                 slabs,
                 #[inline(always)]
@@ -218,7 +230,7 @@ impl Gather<'_> {
                     }
                 },
             );
-            put(row, &gathered);
+            put(row, &gathered.row(0));
         }
     }
 
@@ -283,6 +295,22 @@ impl Gather<'_> {
             slabs.push(Slab { bin: last_bin, end: block.len() + even_block.len() });
         }
     }
+}
+
+/// Gathers the pixels at some places from even taps.
+#[inline(always)]
+fn gather_even<S: Simd, V: SimdFloat<S, Element = f32>, const DOUBT: bool>(
+    simd: S,
+    slabs: &[Slab],
+    taps: &[EvenTap],
+    at: &Places<V>,
+) -> Gathered<V> {
+    gather(
+        simd,
+        slabs,
+        #[inline(always)]
+        |part, hidden| add_up_even::<S, V, DOUBT>(simd, &taps[part], at, hidden),
+    )
 }
 
 /// The largest whole number that is no larger than `value`.
