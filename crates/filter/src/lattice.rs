@@ -4,8 +4,10 @@
 //! [`gather`](crate::gather) becomes the mean of the neighbours' colours by their weights. Of the slope factor `d0 / d` only
 //! the neighbour's 1/d is left, since d0 is the receiving pixel's own defocus wherever the neighbour lies.
 //!
-//! The cells are pixels, or squares of 2, 4, ... pixels of which the least blur radius around spans at least
-//! [`SIDES_PER_RADIUS`]. Then the sum is only taken at the centres of the cells, and what lies between is interpolated.
+//! The cells are pixels, or squares of 2, 4, ... pixels. Where all blur around spans [`SIDES_PER_RADIUS`] of them, the sum is
+//! only taken at the centres of the cells, and what lies between is interpolated. Where the blur differs more, the surface is
+//! cut up by it: each part is summed up in the cells that its own blur allows, and the sums, weights and colours, are added.
+//! So no kernel has more cells than a blur of twice [`SIDES_PER_RADIUS`] does, however large the largest is.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
