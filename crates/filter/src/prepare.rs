@@ -33,11 +33,13 @@ impl Prepared {
         let jump = least_jump(px);
         let mut first = Surface::new(view, camera, 0);
         let mut hidden: Vec<Surface> = (1..layers).map(|i| Surface::new(view, camera, i)).collect();
-        hidden.iter_mut().for_each(|surface| smooth(surface, jump));
+        // A frame with hidden layers may know what its pixels are made of; then all its colours are well sampled
+        let rest = if layers > 1 { view.frame().rest() } else { None };
+        if rest.is_none() {
+            hidden.iter_mut().for_each(|surface| smooth(surface, jump));
+        }
 
         // Give silhouette pixels to both their surfaces
-        // A frame with hidden layers may know what its pixels are made of
-        let rest = if layers > 1 { view.frame().rest() } else { None };
         let cells = Cells::new(&first, rest, jump);
         let splits = splits(&first, &cells, rest, &hidden, jump);
         let mut fragments = Vec::new();

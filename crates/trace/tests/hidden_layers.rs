@@ -60,9 +60,13 @@ fn a_hidden_layer_is_as_wide_as_the_lens_sees_behind() {
         assert!(off <= 0.5 + 0.01 * width, "{} columns instead of {width}", columns.len());
         assert_eq!(columns.last(), Some(&49), "the band ends at the card's edge");
         let layer = &made.frame.layers()[1];
-        for x in columns {
+        for &x in &columns {
             assert!((layer.depth.at(x, 25) - 10.0).abs() < 1e-5);
-            assert_eq!(layer.color.at(x, 25), [GREEN.x, GREEN.y, GREEN.z, 1.0]);
+            // At the rim of what is seen it is seen in a part of the pixel
+            let cover = layer.color.at(x, 25)[3];
+            assert!(cover == 1.0 || (Some(&x) == columns.first() && cover > 0.0), "column {x} is covered by {cover}");
+            let expected = [GREEN.x, GREEN.y, GREEN.z].map(|c| c * cover);
+            assert!((0..3).all(|c| (layer.color.at(x, 25)[c] - expected[c]).abs() < 1e-6));
         }
         assert_eq!(layer.color.at(5, 25), [0.0; 4]);
         assert_eq!(made.frame.camera.unwrap().iris.radius(), radius);
@@ -188,17 +192,19 @@ fn depth_and_hidden_layer_agree_with_the_reference() {
         let second = &made.frame.layers()[1];
         let (mut both, mut either, mut depths_off, mut color_off) = (0, 0, 0, 0.0);
         for (x, y) in window.pixels() {
-            let (ours, theirs) = (second.known.at(x, y), !hidden_z.at(x, y).is_nan());
+            // They ask at the centre of a pixel alone what is seen, so that it is all or nothing
+            let (ours, theirs) = (second.color.at(x, y)[3] > 0.5, !hidden_z.at(x, y).is_nan());
             either += usize::from(ours || theirs);
             if ours && theirs {
                 both += 1;
                 depths_off += usize::from(!close(5e-4, second.depth.at(x, y), hidden_z.at(x, y)));
-                color_off += f64::from(second.color.at(x, y)[0] - hidden_r.at(x, y));
+                color_off += f64::from(held(&made, 1, x, y).1.x - hidden_r.at(x, y));
             }
         }
         let share = both as f64 / either as f64;
         println!("{name}: {either} hidden pixels, {share:.4} in common, {depths_off} depths differ");
-        assert!(share > 0.97, "{name}: only {share} of the hidden pixels are common");
+        // Measured: 0.987 and 0.970; points of a pixel and its centre disagree at the rim of what is seen
+        assert!(share > 0.96, "{name}: only {share} of the hidden pixels are common");
         assert!((depths_off as f64) < 0.005 * both as f64, "{name}: {depths_off} of {both} hidden depths differ");
         // Their colour is one sample, ours an average
         assert!((color_off / both as f64).abs() < 0.01, "{name}: hidden colours are off by {color_off}");
@@ -263,5 +269,74 @@ fn a_wire_between_the_centres_of_pixels_is_found() {
             }
             None => assert_ne!(x, 50, "row {y}"),
         }
+    }
+}
+
+const BLUE: Vec3 = Vec3::new(0.1, 0.2, 0.9);
+
+/// A card in the left half of the view at depth 5, behind it a blue one from column `from` to column `to` at depth 8, and a
+/// wall at depth 10.
+fn two_cards(from: f64, to: f64) -> Scene {
+    let mut builder = SceneBuilder::new();
+    let [red, green, blue] = [RED, GREEN, BLUE].map(|color| builder.material(Material::glowing(color)));
+    let upright = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    let sheet = |half: f64, x: f64, depth: f64| {
+        DAffine3::from_scale_rotation_translation(DVec3::new(half, 20.0, 20.0), upright, DVec3::new(x, 0.0, -depth))
+    };
+    builder.shape(Shape::Rectangle, sheet(20.0, -20.0, 5.0), red).unwrap();
+    let [from, to] = [from, to].map(|column| 8.0 * (column - 50.0) / 100.0);
+    builder.shape(Shape::Rectangle, sheet(0.5 * (to - from), 0.5 * (from + to), 8.0), blue).unwrap();
+    builder.shape(Shape::Plane, sheet(1.0, 0.0, 10.0), green).unwrap();
+    builder.build().unwrap()
+}
+
+/// Alpha, colour as if it filled the pixel, and depth of a layer.
+fn held(made: &LayeredFrame, layer: usize, x: i32, y: i32) -> (f32, Vec3, f32) {
+    let layer = &made.frame.layers()[layer];
+    assert_eq!(layer.known.at(x, y), layer.color.at(x, y)[3] > 0.0);
+    let [r, g, b, a] = layer.color.at(x, y);
+    (a, Vec3::new(r, g, b) / a, layer.depth.at(x, y))
+}
+
+#[test]
+fn a_hidden_edge_covers_its_share_of_a_pixel() {
+    let lens = camera([0.0, 0.0, 0.2], 1.0);
+    // Lens points look up to 7.5 columns behind the red card onto the blue one, and past its end onto the wall
+    for share in [0.1, 0.3, 0.5, 0.7, 0.9] {
+        let scene = two_cards(-50.0, 45.0 + f64::from(share));
+        let made = make(&scene, &lens, 3, Margin::Pixels(0));
+        for y in 0..50 {
+            let (alpha, color, depth) = held(&made, 1, 45, y);
+            // The end cuts one of a half's 32 strata
+            assert!((alpha - share).abs() <= 2.0 / 64.0, "{alpha} of {share}");
+            assert!((color - BLUE).abs().max_element() < 1e-5 && (depth - 8.0).abs() < 1e-4, "{color} at {depth}");
+            let (alpha, color, depth) = held(&made, 2, 45, y);
+            assert_eq!(alpha, 1.0, "the wall goes on behind the edge");
+            assert!((color - GREEN).abs().max_element() < 1e-5 && (depth - 10.0).abs() < 1e-4, "{color} at {depth}");
+            // Beside the edge each fills its pixels
+            assert_eq!((held(&made, 1, 44, y).0, held(&made, 1, 46, y).0), (1.0, 1.0));
+            assert!((held(&made, 1, 44, y).2 - 8.0).abs() < 1e-4 && (held(&made, 1, 46, y).2 - 10.0).abs() < 1e-4);
+        }
+
+        // One layer is left for both: the one that covers more has it
+        let made = make(&scene, &lens, 2, Margin::Pixels(0));
+        let (alpha, _, depth) = held(&made, 1, 45, 25);
+        let expected = if share > 0.52 { Some((share, 8.0)) } else { (share < 0.48).then_some((1.0, 10.0)) };
+        if let Some((share, expected)) = expected {
+            assert!((alpha - share).abs() <= 2.0 / 64.0 && (depth - expected).abs() < 1e-4, "{alpha} at {depth}");
+        }
+    }
+}
+
+#[test]
+fn a_hidden_wire_between_the_centres_of_pixels_is_found() {
+    let made = make(&two_cards(45.05, 45.45), &camera([0.0, 0.0, 0.2], 1.0), 3, Margin::Pixels(0));
+    for y in 0..50 {
+        let (alpha, color, depth) = held(&made, 1, 45, y);
+        // Each end cuts one of a half's 32 strata
+        assert!((alpha - 0.4).abs() <= 4.0 / 64.0, "{alpha}");
+        assert!((color - BLUE).abs().max_element() < 1e-5 && (depth - 8.0).abs() < 1e-4, "{color} at {depth}");
+        assert_eq!(held(&made, 2, 45, y).0, 1.0, "the wall goes on behind it");
+        assert_eq!(held(&made, 2, 44, y).0 + held(&made, 2, 46, y).0, 0.0, "only where it is");
     }
 }

@@ -1,131 +1,204 @@
 //! What lies behind the first surface and is seen by some point of the lens.
 
-use glam::{DVec2, DVec3, Vec3};
-use optics::Camera;
+use glam::DVec2;
+use rgbd::PixelWindow;
 
-use super::lens_points::lens_points;
+use super::facing::Facing;
+use super::part::{Part, Seen, Surface, nearest};
+use super::walk::{Met, Walk};
 use crate::sampler::Sampler;
-use crate::transport::pixel_size;
-use crate::{Hit, Ray, Scene};
 
-/// Surfaces that a ray passes before it is given up.
-const MOST_SURFACES: usize = 64;
-/// How far a sample may lie from the plane that touches the surface at the pixel's centre, over its depth.
-const SAME_SURFACE: f64 = 0.01;
+/// Samples of each half that the colour of hidden surfaces comes from where none of them ends: more make no filtered picture
+/// truer.
+const ENOUGH_INSIDE: u32 = 32;
+/// Samples of each half that look for things which no pixel's centre meets.
+const PROBES: u32 = 4;
+/// Of what they find in a pixel, so many things are asked for whether some lens point sees them.
+const MOST_ASKED: usize = 4;
+/// Beyond the inverse depth of all that is looked for by this factor a line of sight is followed no more.
+const BEYOND: f64 = 0.98;
 
-/// A surface of a hidden layer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Surface {
-    pub(super) depth: f32,
-    pub(super) color: Vec3,
+/// A surface on the line of sight through a pixel's centre.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AtCentre {
+    facing: Facing,
+    /// Whether some lens point is known to see it there.
+    is_seen: bool,
 }
 
-/// The ray through a continuous pixel coordinate from the lens centre.
-pub(super) fn pinhole_ray(camera: &Camera, x: f64, y: f64) -> Ray {
-    let direction = camera.film.q_from_pixel(DVec2::new(x, y)).extend(1.0);
-    Ray::new(camera.pose.position, camera.pose.direction_to_world(direction))
-}
-
-/// Walks along the rays of pixels, from surface to surface.
-pub(super) struct Walk<'a> {
-    scene: &'a Scene,
-    camera: &'a Camera,
-    lens: Vec<DVec3>,
-    count: usize,
+/// Finds up to `count` surfaces a pixel.
+pub(super) struct Behind<'a> {
+    pub(super) walk: Walk<'a>,
+    pub(super) count: usize,
     /// Of each pixel and half, those samples that the first layer's colour is the mean of.
-    samples: u32,
-    seed: u64,
+    pub(super) samples: u32,
+    pub(super) seed: u64,
 }
 
-impl<'a> Walk<'a> {
-    /// A walk that collects up to `count` surfaces a pixel, with `samples` in each half.
-    pub(super) fn new(scene: &'a Scene, camera: &'a Camera, count: usize, samples: u32, seed: u64) -> Self {
-        Self { scene, camera, lens: lens_points(camera), count, samples, seed }
+/// What the centres of the pixels of a window meet.
+pub(super) struct Centres<'a> {
+    pub(super) window: PixelWindow,
+    pub(super) met: &'a [Vec<AtCentre>],
+}
+
+impl Centres<'_> {
+    /// Behind the first surface, in the pixel itself and around it; with the pixels' places.
+    fn around(&self, x: i32, y: i32) -> impl Iterator<Item = ((i32, i32), &AtCentre)> {
+        let places = (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
+        places
+            .filter(|&(u, v)| self.window.contains(u, v))
+            .flat_map(|(u, v)| self.met[self.window.index(u, v)].iter().skip(1).map(move |at| ((u, v), at)))
+    }
+}
+
+impl Behind<'_> {
+    /// What the centre of a pixel meets from near to far, the first surface first; of those behind it the nearest that some
+    /// lens point sees are known to be seen, as many as are wanted.
+    pub(super) fn at_centre(&self, x: i32, y: i32) -> Vec<AtCentre> {
+        let mut wanted = self.count;
+        let front = self.walk.along(centre(x, y)).filter(|met| met.is_first || met.is_front());
+        let met = front.map(|met| {
+            let is_seen = !met.is_first && wanted > 0 && self.walk.sees(&met);
+            wanted -= usize::from(is_seen);
+            AtCentre { facing: self.walk.facing(&met), is_seen }
+        });
+        met.collect()
     }
 
-    /// The surfaces behind the first one at a pixel's centre that some lens point sees, from near to far; the sky ends
-    /// them.
-    pub(super) fn hidden_surfaces(&self, x: i32, y: i32) -> Vec<Surface> {
-        let ray = pinhole_ray(self.camera, f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let direction = ray.direction.as_dvec3();
-        let mut found = Vec::new();
-        let Some(first) = self.scene.hit(&ray) else { return found };
-        let mut from = first;
-        for _ in 0..MOST_SURFACES {
-            if found.len() == self.count {
-                break;
+    /// The surfaces behind the first one in a pixel that some lens point sees, from near to far.
+    pub(super) fn surfaces(&self, x: i32, y: i32, centres: &Centres) -> Vec<Surface> {
+        let own = &centres.met[centres.window.index(x, y)];
+        let Some(first) = own.first().map(|first| first.facing) else { return Vec::new() };
+        let mut parts = self.expected(x, y, &first, centres);
+        self.probe(x, y, own, &mut parts);
+        if parts.is_empty() {
+            return Vec::new();
+        }
+
+        // Meet them with some samples, with all where one of them ends, and ask those that some lens point may see
+        let few = self.samples.min(ENOUGH_INSIDE);
+        self.meet(x, y, few, &mut parts);
+        if few < self.samples && !parts.iter().all(|part| part.hits.iter().all(Option::is_some)) {
+            self.meet(x, y, self.samples, &mut parts);
+        }
+        for part in parts.iter_mut().filter(|part| part.seen == Seen::Unknown) {
+            part.seen = Seen::at(&self.walk, part.hits.iter().flatten());
+        }
+        parts.retain(|part| part.seen != Seen::Share(0.0) && part.hits.iter().any(Option::is_some));
+        let q = self.q(centre(x, y));
+        parts.sort_by(|a, b| b.inverse_at(q, &self.walk).total_cmp(&a.inverse_at(q, &self.walk)));
+        let samplers = self.samplers(x, y);
+        nearest(parts, self.count).iter().map(|part| part.surface(q, &self.walk, &samplers)).collect()
+    }
+
+    /// What is to be expected in a pixel: the surfaces that some lens point sees at its own centre or at those around.
+    fn expected(&self, x: i32, y: i32, first: &Facing, centres: &Centres) -> Vec<Part> {
+        let own = &centres.met[centres.window.index(x, y)];
+        let q = self.q(centre(x, y));
+        let mut parts: Vec<Part> = Vec::new();
+        for at in own.iter().filter(|at| at.is_seen) {
+            // At the rim of what is seen only a share of the pixel is
+            let is_here = |(u, v): (i32, i32), other: &Facing| is_same(&at.facing, q, other, self.q(centre(u, v)));
+            let is_rim = centres.around(x, y).any(|(place, other)| !other.is_seen && is_here(place, &other.facing));
+            parts.push(Part::new(at.facing, true, if is_rim { Seen::Unknown } else { Seen::ALL }));
+        }
+        for ((u, v), at) in centres.around(x, y).filter(|(_, at)| at.is_seen) {
+            let there = self.q(centre(u, v));
+            let is_here = |other: &Facing| is_same(other, q, &at.facing, there);
+            if !is_behind(first, there, at.facing.inverse) || parts.iter().any(|part| is_here(&part.facing)) {
+                continue;
             }
-            let Some(hit) = self.next(&from, direction) else {
-                if self.sees_sky(direction) {
-                    found.push(Surface { depth: f32::INFINITY, color: self.scene.sky_toward(direction) });
+            let own = own[1..].iter().find(|own| is_here(&own.facing));
+            parts.push(Part::new(own.map_or(at.facing, |own| own.facing), own.is_some(), Seen::Unknown));
+        }
+        parts
+    }
+
+    /// Adds what no centre meets, and leaves out what is not seen after all.
+    fn probe(&self, x: i32, y: i32, own: &[AtCentre], parts: &mut Vec<Part>) {
+        let expected = parts.len();
+        let mut points = vec![Vec::new(); expected];
+        let mut asked = 0;
+        for at in self.places(x, y, PROBES.min(self.samples)) {
+            let q = self.q(at);
+            for met in self.walk.along(at).filter(Met::is_front) {
+                let facing = self.walk.facing(&met);
+                if let Some(k) = parts.iter().position(|part| part.facing.meets(q, facing.inverse)) {
+                    points.get_mut(k).into_iter().for_each(|points| points.push(met));
+                    continue;
                 }
-                break;
-            };
-            if hit.normal.dot(direction) < 0.0 && self.sees(&hit) {
-                let depth = self.camera.pose.point_to_camera(hit.point).z;
-                found.push(Surface { depth: depth as f32, color: self.color(x, y, &hit, direction) });
-            }
-            from = hit;
-        }
-        found
-    }
-
-    /// The next surface behind one.
-    fn next(&self, from: &Hit, direction: DVec3) -> Option<Hit> {
-        let outwards = if from.normal.dot(direction) < 0.0 { -from.normal } else { from.normal };
-        let hit = self.scene.hit_beyond(from, outwards, direction)?;
-        Some(self.scene.facing(hit, direction))
-    }
-
-    /// Whether some lens point sees the outer side of a surface.
-    fn sees(&self, hit: &Hit) -> bool {
-        self.lens.iter().any(|&l| hit.normal.dot(l - hit.point) > 0.0 && !self.scene.is_hidden(hit, hit.normal, l))
-    }
-
-    /// Whether some lens point sees the sky in this direction.
-    fn sees_sky(&self, direction: DVec3) -> bool {
-        self.lens.iter().any(|&l| !self.scene.is_blocked(&Ray::new(l, direction), f64::INFINITY))
-    }
-
-    /// The average colour of a surface over the pixel, from the samples that hit it.
-    fn color(&self, x: i32, y: i32, centre: &Hit, direction: DVec3) -> Vec3 {
-        let size = pixel_size(self.camera);
-        let samplers = [0, 1].map(|half| Sampler::new(self.seed, x, y, half));
-        // Other light than that of any sample, where light is left to chance
-        let mut sum = self.scene.shade_sample(centre, direction, size, (&samplers[0], self.samples)).as_dvec3();
-        let mut count = 1.0;
-        for (sampler, index) in samplers.iter().flat_map(|sampler| (0..self.samples).map(move |i| (sampler, i))) {
-            let offset = sampler.sample(index).pixel;
-            let ray = pinhole_ray(self.camera, f64::from(x) + offset.x, f64::from(y) + offset.y);
-            if let Some(hit) = self.same_surface(&ray, centre) {
-                let direction = ray.direction.as_dvec3();
-                sum += self.scene.shade_sample(&hit, direction, size, (sampler, index)).as_dvec3();
-                count += 1.0;
+                // What lies first on its line is no hidden surface
+                let is_known = own.iter().any(|own| own.facing.meets(q, facing.inverse));
+                if asked < MOST_ASKED && !met.is_first && !is_known && is_behind(&own[0].facing, q, facing.inverse) {
+                    asked += 1;
+                    if self.walk.sees(&met) {
+                        parts.push(Part::new(facing, false, Seen::ALL));
+                    }
+                }
             }
         }
-        (sum / count).as_vec3()
+        for (part, points) in parts.iter_mut().zip(points) {
+            // What no centre meets may fill too little to be found by so few
+            if part.seen == Seen::Unknown && part.is_central {
+                part.seen = Seen::at(&self.walk, points.iter());
+            }
+        }
+        parts.retain(|part| part.seen != Seen::Share(0.0));
     }
 
-    /// Where a ray through the same pixel meets the surface that `centre` lies on.
-    fn same_surface(&self, ray: &Ray, centre: &Hit) -> Option<Hit> {
-        let direction = ray.direction.as_dvec3();
-        // The touching plane says where to expect it
-        let slope = centre.normal.dot(direction);
-        if slope >= 0.0 {
-            return None;
-        }
-        let expected = centre.normal.dot(centre.point - ray.origin.as_dvec3()) / slope;
-        let mut hit = self.scene.facing(self.scene.hit(ray)?, direction);
-        for _ in 0..MOST_SURFACES {
-            let t = (hit.point - ray.origin.as_dvec3()).dot(direction) / direction.length_squared();
-            if (t - expected).abs() <= SAME_SURFACE * expected && hit.normal.dot(direction) < 0.0 {
-                return Some(hit);
+    /// Fills in where each of `samples` a half of a pixel meets each part, be it first on its line or not.
+    fn meet(&self, x: i32, y: i32, samples: u32, parts: &mut [Part]) {
+        parts.iter_mut().for_each(|part| part.hits = vec![None; 2 * samples as usize]);
+        for (place, at) in self.places(x, y, samples).enumerate() {
+            let q = self.q(at);
+            let lowest = parts.iter().map(|part| part.facing.plane_at(q).min(part.facing.inverse));
+            let last = BEYOND * lowest.fold(f64::INFINITY, f64::min);
+            let mut left = parts.len();
+            for met in self.walk.along(at) {
+                let inverse = self.walk.facing(&met).inverse;
+                if inverse < last {
+                    break;
+                }
+                let mut missed = parts.iter_mut().filter(|part| part.hits[place].is_none());
+                if let Some(part) = missed.find(|part| met.is_front() && part.facing.meets(q, inverse)) {
+                    part.hits[place] = Some(met);
+                    left -= 1;
+                    if left == 0 {
+                        break;
+                    }
+                }
             }
-            if t > expected * (1.0 + SAME_SURFACE) {
-                return None;
-            }
-            hit = self.next(&hit, direction)?;
         }
-        None
     }
+
+    /// Direction of a continuous pixel coordinate.
+    fn q(&self, at: DVec2) -> DVec2 {
+        self.walk.camera.film.q_from_pixel(at)
+    }
+
+    fn samplers(&self, x: i32, y: i32) -> [Sampler; 2] {
+        [0, 1].map(|half| Sampler::new(self.seed, x, y, half))
+    }
+
+    /// Where the first `samples` of each half of a pixel lie, half by half.
+    fn places(&self, x: i32, y: i32, samples: u32) -> impl Iterator<Item = DVec2> {
+        let corner = DVec2::new(f64::from(x), f64::from(y));
+        let samplers = self.samplers(x, y).into_iter();
+        samplers.flat_map(move |sampler| (0..samples).map(move |index| corner + sampler.sample(index).pixel))
+    }
+}
+
+/// The continuous coordinate of a pixel's centre.
+fn centre(x: i32, y: i32) -> DVec2 {
+    DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)
+}
+
+/// Whether hits in two directions lie on one surface.
+fn is_same(a: &Facing, q_a: DVec2, b: &Facing, q_b: DVec2) -> bool {
+    a.meets(q_b, b.inverse) || b.meets(q_a, a.inverse)
+}
+
+/// Whether what is met in a direction lies behind the surface that a pixel's centre meets first.
+fn is_behind(first: &Facing, q: DVec2, inverse: f64) -> bool {
+    inverse < first.inverse && !first.meets(q, inverse)
 }

@@ -1,11 +1,14 @@
 //! What a filter needs: colour and depth in layers, with what lies hidden and what lies outside the picture.
 
 mod candidates;
+mod facing;
 mod hidden;
 mod lens_points;
 mod margin;
 mod optical;
+mod part;
 mod rest;
+mod walk;
 
 pub use optical::optical_depth;
 
@@ -13,8 +16,10 @@ use optics::Camera;
 use rayon::prelude::*;
 use rgbd::{Cancelled, Frame, Layer, Mask, Picture, PixelWindow, Plane, Progress};
 
-use crate::layers::hidden::{Surface, Walk};
+use crate::layers::hidden::{Behind, Centres};
+use crate::layers::part::Surface;
 use crate::layers::rest::Inside;
+use crate::layers::walk::{Walk, pinhole_ray};
 use crate::{RenderError, Scene, render};
 
 /// How far the data window reaches beyond the display window.
@@ -36,7 +41,7 @@ pub struct LayerSettings {
     pub count: usize,
     /// The margin around the picture.
     pub margin: Margin,
-    /// Samples per pixel of the first layer's colour.
+    /// Samples per pixel of the first layer's colour, and of the hidden ones' where a surface ends.
     pub color_samples: u32,
     /// Seed of these samples.
     pub seed: u64,
@@ -72,10 +77,14 @@ impl LayeredFrame {
 ///
 /// The first layer holds the pinhole picture, its colour the average over the pixel, its depth that of the first hit at
 /// the pixel's centre (+inf where there is none). What of the colour belongs to other surfaces than that one is the frame's
-/// [rest](Frame::rest), seen by the same samples (unless there is one layer only). Each further layer holds at the pixel's
-/// centre the next surface that at least one of 48 points of the camera's own iris sees, alpha 1, or nothing, alpha 0 and depth
-/// unknown. Its colour is the average of those samples of the pixel that hit the same surface. Back faces, and so the insides
-/// of solids, are left out. Where mirrors or glass show images the frame has their [`optical_depth`] too. Every ray is
+/// [rest](Frame::rest), seen by the same samples (unless there is one layer only). Each further layer holds the next surface
+/// behind it in the pixel that at least one of 48 points of the camera's own iris sees, or nothing, alpha 0 and depth unknown.
+/// Its alpha is the share of the pixel's samples that meet it, whether as the first on their way or behind others: 1 where it
+/// goes on through all of the pixel, less where it ends. At the rim of what lens points see of it, only the share of up to 8 of its points
+/// that they do see counts. Its colour is the premultiplied average of those samples (of 64 where no surface ends), its depth that at the pixel's
+/// centre, continued there if the centre misses it. If a pixel has more surfaces than there are layers, the last
+/// layer holds the one that covers the most of what is left. Back faces, and so the insides of solids, are left out.
+/// Where mirrors or glass show images the frame has their [`optical_depth`] too. Every ray is
 /// traced; no blur size is computed. Where things or the camera move, all layers, colours too, are those of the exposure's middle.
 pub fn layers(
     scene: &Scene,
@@ -112,12 +121,22 @@ pub fn layers(
         each_pixel(&mut rest, window, &step, |x, y| inside.rest(x, y, &depth))?;
     }
     if settings.count > 1 && camera.iris.radius() > 0.0 {
-        let walk = Walk::new(scene, camera, settings.count - 1, samples.end, settings.seed);
+        let walk = Walk::new(scene, camera);
+        let behind = Behind { walk, count: settings.count - 1, samples: samples.end, seed: settings.seed };
         let candidates = candidates::near_edges(&depth, camera);
-        let step = Share { whole: progress, from: 700, to: 1000 };
-        each_pixel(&mut found, window, &step, |x, y| {
-            if candidates.at(x, y) { walk.hidden_surfaces(x, y) } else { Vec::new() }
-        })?;
+        let mut centres = vec![Vec::new(); window.area()];
+        let step = Share { whole: progress, from: 700, to: 850 };
+        each_pixel(
+            &mut centres,
+            window,
+            &step,
+            |x, y| {
+                if candidates.at(x, y) { behind.at_centre(x, y) } else { Vec::new() }
+            },
+        )?;
+        let step = Share { whole: progress, from: 850, to: 1000 };
+        let centres = Centres { window, met: &centres };
+        each_pixel(&mut found, window, &step, |x, y| behind.surfaces(x, y, &centres))?;
     }
 
     // Put the layers together
@@ -146,7 +165,7 @@ fn first_depth(scene: &Scene, pinhole: &Camera, window: PixelWindow) -> Plane {
     depth.values_mut().par_chunks_mut(window.width as usize).enumerate().for_each(|(row, depths)| {
         for (column, depth) in depths.iter_mut().enumerate() {
             let (x, y) = (window.x + column as i32, window.y + row as i32);
-            let ray = hidden::pinhole_ray(pinhole, f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let ray = pinhole_ray(pinhole, f64::from(x) + 0.5, f64::from(y) + 0.5);
             if let Some(hit) = scene.hit(&ray) {
                 *depth = pinhole.pose.point_to_camera(hit.point).z as f32;
             }
@@ -159,7 +178,7 @@ fn first_depth(scene: &Scene, pinhole: &Camera, window: PixelWindow) -> Plane {
 fn hidden_layer(window: PixelWindow, found: &[Vec<Surface>], index: usize) -> Layer {
     let at = |x: i32, y: i32| found[window.index(x, y)].get(index);
     let color = Picture::from_fn(window, |x, y| {
-        at(x, y).map_or([0.0; 4], |surface| [surface.color.x, surface.color.y, surface.color.z, 1.0])
+        at(x, y).map_or([0.0; 4], |surface| (surface.color * surface.cover).extend(surface.cover).to_array())
     });
     let depth = Plane::from_fn(window, |x, y| at(x, y).map_or(f32::INFINITY, |surface| surface.depth));
     let known = Mask::from_fn(window, |x, y| at(x, y).is_some());

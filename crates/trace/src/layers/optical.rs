@@ -5,7 +5,7 @@ use optics::Camera;
 use rayon::prelude::*;
 use rgbd::{PixelWindow, Plane};
 
-use super::hidden::pinhole_ray;
+use super::walk::pinhole_ray;
 use crate::transport::{Bent, Chain};
 use crate::{Ray, Scene};
 

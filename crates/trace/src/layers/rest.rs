@@ -4,13 +4,11 @@ use glam::{DVec2, DVec3, Vec3};
 use optics::Camera;
 use rgbd::{PixelRest, Plane};
 
-use super::hidden::pinhole_ray;
+use super::facing::Facing;
+use super::walk::pinhole_ray;
 use crate::sampler::Sampler;
 use crate::transport::pixel_size;
 use crate::{Ray, Scene};
-
-/// How far a sample's inverse depth may lie from the plane that touches the surface at the pixel's centre, over itself.
-const SAME_SURFACE: f64 = 0.01;
 
 /// Samples of each half that look for things which no pixel's centre meets.
 const PROBES: u32 = 4;
@@ -23,22 +21,6 @@ pub(super) struct Inside<'a> {
     /// Samples in each half.
     pub(super) samples: u32,
     pub(super) seed: u64,
-}
-
-/// A point of a surface in camera space, and the plane that touches it there: on that the inverse depth is affine in the
-/// direction q.
-#[derive(Clone, Copy)]
-struct Facing {
-    /// Inverse depth of the point; 0 for the sky.
-    inverse: f64,
-    /// The plane's inverse depth is the product of this and (q, 1).
-    plane: DVec3,
-}
-
-impl Facing {
-    fn plane_at(&self, q: DVec2) -> f64 {
-        self.plane.dot(q.extend(1.0))
-    }
 }
 
 /// A sample that meets another surface.
@@ -56,10 +38,7 @@ impl Inside<'_> {
     pub(super) fn rest(&self, x: i32, y: i32, depth: &Plane) -> Option<PixelRest> {
         let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let (own, _) = self.look(&self.ray(middle));
-        let is_other = |q: DVec2, inverse: f64| {
-            let expected = own.plane_at(q);
-            (inverse - expected).abs() > SAME_SURFACE * inverse.max(expected)
-        };
+        let is_other = |q: DVec2, inverse: f64| own.is_other(q, inverse);
         let mut around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
         let beside_edge = around.any(|(dx, dy)| {
             let there = depth.get(x + dx, y + dy);
@@ -113,11 +92,6 @@ impl Inside<'_> {
     /// What a ray meets.
     fn look(&self, ray: &Ray) -> (Facing, Option<crate::Hit>) {
         let hit = self.scene.hit(ray);
-        let facing = hit.map_or(Facing { inverse: 0.0, plane: DVec3::ZERO }, |hit| {
-            let point = self.camera.pose.point_to_camera(hit.point);
-            let normal = self.camera.pose.direction_to_camera(hit.normal);
-            Facing { inverse: 1.0 / point.z, plane: normal / normal.dot(point) }
-        });
-        (facing, hit)
+        (Facing::new(self.camera, hit.as_ref()), hit)
     }
 }
