@@ -113,7 +113,8 @@ fn rms(pairs: &[[(i32, i32); 2]], value: impl Fn([(i32, i32); 2], usize) -> f64)
 /// them: (w_a - w_b) times what they differ by there. Whole differences are what a plain switch leaves.
 #[test]
 fn where_trace_meets_filter_no_step_is_added_that_could_be_seen() {
-    const WORSE: f64 = 1.1; // mixed pixels have the noise of their few samples
+    // Mixed pixels have the noise of their few samples: at a tolerance of 0.004 steps are off by 0.0013, of the filter by 0.0012
+    const WORSE: f64 = 1.2;
     const SHARE: f64 = 0.25; // 12 dB below what may be wrong with each pixel anyway
     let shot = Shot::new();
     let truth = shot.truth().picture();
