@@ -51,8 +51,9 @@ struct Touch {
 pub(crate) struct Taps {
     /// The pieces, colour as if each filled its pixels.
     pieces: Vec<Piece>,
-    /// Their weights around the tile's centre.
+    /// Their weights around the tile's centre; where the lens is the same all over the tile, the taps instead.
     weights: Vec<Weight>,
+    unsorted: Vec<EvenTap>,
     touches: Vec<Touch>,
     /// The taps, nearest slab first.
     order: Vec<u32>,
@@ -61,7 +62,7 @@ pub(crate) struct Taps {
     xs: Vec<f32>,
     ys: Vec<f32>,
     reaches: Vec<f32>,
-    /// Where the lens is the same all over the tile, the taps in that order; else none.
+    /// Such taps in that order.
     even: Vec<EvenTap>,
     /// Those of a block, of one kind or the other.
     block: Vec<BlockTap>,
@@ -91,9 +92,11 @@ impl Gather<'_> {
     /// Collects what may touch a tile, nearest slab first.
     #[inline(always)]
     pub(crate) fn collect<F: Footprint>(&self, tile: PixelWindow, lens: &TileLens, scratch: &mut Taps) {
-        let Taps { pieces, weights, touches, order, counts, xs, ys, reaches, even, .. } = scratch;
+        let Taps { pieces, weights, touches, order, counts, xs, ys, reaches, unsorted, even, .. } = scratch;
+        let is_even = F::IS_ROUND && lens.is_even;
         pieces.clear();
         weights.clear();
+        unsorted.clear();
         touches.clear();
         let reach = |range: [f32; 2]| lens.reach(range, self.max_radius);
         let serves = |piece: &Piece| {
@@ -116,8 +119,12 @@ impl Gather<'_> {
             let share = 1.0 / piece.cover;
             let mut piece = *piece;
             piece.rgba = piece.rgba.map(|c| c * share);
+            if is_even {
+                unsorted.push(EvenTap::new(&piece, &weight, reach));
+            } else {
+                weights.push(weight);
+            }
             pieces.push(piece);
-            weights.push(weight);
             touches.push(Touch { is_steady, bin, reach });
         });
 
@@ -149,9 +156,8 @@ impl Gather<'_> {
             reaches.push(touches[i as usize].reach);
         }
         even.clear();
-        if F::IS_ROUND && lens.is_even {
-            let tap = |&i: &u32| (&pieces[i as usize], &weights[i as usize], touches[i as usize].reach);
-            even.extend(order.iter().map(tap).map(|(piece, weight, reach)| EvenTap::new(piece, weight, reach)));
+        if is_even {
+            even.extend(order.iter().map(|&i| unsorted[i as usize]));
         }
         // Fill the last vector with what touches nothing
         let whole = order.len().next_multiple_of(LANES);
