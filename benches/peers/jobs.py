@@ -31,10 +31,14 @@ def write(name, folder, root, shared):
         scene_file(toml, file, case, case["size"])
         return dict(name=name, toml=toml, shot=None, gltf=file, case=case, folder=folder)
     text = open(os.path.join(root, f"data/scenes/{name}.toml")).read()
-    if name == "town":
+    if name in ("town", "landscape"):
         # The sun alone: ambient light is no light of theirs
-        text = re.sub(r"(?m)^sky = .*$", "sky = 0", re.sub(r"(?m)^fill = .*\n", "", text))
+        text = re.sub(r"(?m)^\w+ = \{ ambient = .*\n", "", text)
+        text = re.sub(r"(?m)^sky = .*$", "sky = 0", text)
+    if name == "town":
         view = dict(position=[-46, 62, 112], look_at=[4, 0, 2], fov_deg=39.6, radius=1.0, focus=140.0)
+    elif name == "landscape":
+        view = dict(position=[-12.092238, 37.355339, 33.223151], look_at=[0, 2, 0], fov_deg=35.0, radius=1.0, focus=50.0)
     else:
         view = dict(position=[3, 11.5, 53], look_at=[0.5, 6.3, 0], fov_deg=29.4, radius=1.5, focus=47.5)
     text += f"""

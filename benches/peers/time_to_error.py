@@ -1,6 +1,6 @@
 """User CPU seconds until a picture's noise is 0.01 RMSE: tiltshift, Mitsuba 3 and Cycles on the same scenes, in turns.
 
-    python time_to_error.py TILTSHIFT --out FOLDER --shared ../../../shared [--scenes town cornell tabletop helmet] [--runs 3]
+    python time_to_error.py TILTSHIFT --out FOLDER --shared ../../../shared [--scenes town landscape cornell tabletop helmet] [--runs 3]
 
 Two threads each. Noise is rms(A - B) / sqrt(2) of two seeds, linear values, peak anything; time to t is seconds x (noise / t)^2 from a
 run at a number of samples that comes near it. tiltshift: the whole process with reading, tree and files; Mitsuba (`path`, independent
@@ -25,7 +25,7 @@ from gltf_beside_mitsuba import read, rms, to_png
 
 TARGET = 0.01
 # Samples per pixel of tiltshift, Mitsuba, Cycles
-SPP = {"town": (16, 32, 16), "cornell": (64, 256, 128), "helmet": (16, 32, 16), "tabletop": (128, 128, 64)}
+SPP = {"town": (16, 32, 16), "landscape": (16, 32, 16), "cornell": (64, 256, 128), "helmet": (16, 32, 16), "tabletop": (128, 128, 64)}
 
 
 def main():
