@@ -245,7 +245,7 @@ pub(crate) fn one_frame(
 /// How many pixels around a window a method may look at on this frame; finite for each method.
 ///
 /// That is at least the largest blur; where silhouettes are taken apart and hidden background is filled in, five times the
-/// blur's difference over the frame's depths and up to 115 pixels more (squares, holes).
+/// blur's difference over the frame's depths and up to 147 pixels more (squares, holes).
 #[must_use]
 pub fn reach_px(view: &FrameView, camera: &Camera, method: &Method) -> u32 {
     let reach = |view: &FrameView| reach_of_one(view, camera, method);

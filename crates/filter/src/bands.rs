@@ -21,7 +21,7 @@ const BYTES: u64 = 4 * 4 + 4 + 1;
 
 /// What [`apply`](crate::apply) makes of the whole view, to the bit, with at most `memory_limit` bytes besides the frame and the result.
 ///
-/// Where the limit is too small for the rows that a method reads around a band ([`reach_px`](crate::reach_px) above and below), bands are 32
+/// Where the limit is too small for the rows that a method reads around a band ([`reach_px`](crate::reach_px) above and below), bands are 64
 /// rows high and take what they need. A window that leaves the view goes through whole.
 pub fn apply_in_bands(
     view: &FrameView,

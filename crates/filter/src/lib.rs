@@ -38,6 +38,7 @@ mod highlights;
 mod images;
 mod kernel;
 mod lattice;
+mod lattice_rows;
 mod lattice_sum;
 mod lattice_work;
 mod lens_map;

@@ -228,6 +228,32 @@ pub(crate) struct Sums<V> {
     pub(crate) doubt: V,
 }
 
+impl<V> Sums<V> {
+    #[inline(always)]
+    pub(crate) fn new<S: Simd>(simd: S) -> Self
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        let zero = V::splat(simd, 0.0);
+        Self { full: zero, rgba: [zero; 4], lens: [zero; 2], doubt: zero }
+    }
+
+    /// Adds a tap's colour by its share.
+    #[inline(always)]
+    pub(crate) fn add<S: Simd, const DOUBT: bool>(&mut self, share: V, rgba: [f32; 4], doubt: f32)
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        self.full += share;
+        for (sum, c) in self.rgba.iter_mut().zip(rgba) {
+            *sum = share.mul_add(c, *sum);
+        }
+        if DOUBT {
+            self.doubt = share.mul_add(doubt, self.doubt);
+        }
+    }
+}
+
 /// The part of the lens that nearer things hide: the points beyond `edge` in a direction.
 pub(crate) struct Hidden<V> {
     pub(crate) direction: [V; 2],
@@ -254,17 +280,28 @@ impl<V> Hidden<V> {
         let strength = (length / moment.max(1e-3)).min(1.0);
         Self { direction: [x * scale, y * scale], edge, strength }
     }
+
+    /// The share of a tap that is not hidden, which is seen through the lens point `to_lens` times (u, v).
+    #[inline(always)]
+    pub(crate) fn open<S: Simd>(&self, [u, v]: [V; 2], to_lens: V, (sharpness, trust): (f32, f32)) -> V
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        let along = u.mul_add(self.direction[0], v * self.direction[1]) * to_lens;
+        let open = ((self.edge - along) * sharpness + 0.5).max(0.0).min(1.0);
+        (self.strength * trust).mul_add(open - 1.0, 1.0)
+    }
 }
 
 /// Gathers the pixels of a vector, nearest slab first, until the iris of each is full.
 ///
 /// `add_up` adds up the taps of a slab, of which a part of the lens may be hidden.
 #[inline(always)]
-pub(crate) fn gather<S: Simd, V: SimdFloat<S, Element = f32>>(
+pub(crate) fn fill_irises<S: Simd, V: SimdFloat<S, Element = f32>>(
     simd: S,
     slabs: &[Slab],
     add_up: impl Fn(std::ops::Range<usize>, Option<&Hidden<V>>) -> Sums<V>,
-) -> Gathered<V> {
+) -> Irises<V> {
     let (zero, one) = (V::splat(simd, 0.0), V::splat(simd, 1.0));
     let (mut full, mut rgba, mut doubt) = (zero, [zero; 4], zero);
     // What hides the slabs to come, and the last slab, which hides only what does not touch it
@@ -310,17 +347,17 @@ pub(crate) fn gather<S: Simd, V: SimdFloat<S, Element = f32>>(
         last_bin = is_there.select(V::splat(simd, bin), last_bin);
     }
 
-    Gathered { rgba, full, doubt }
+    Irises { rgba, full, doubt }
 }
 
 /// What the pixels of a vector gathered, as in [`Row`].
-pub(crate) struct Gathered<V> {
+pub(crate) struct Irises<V> {
     rgba: [V; 4],
     full: V,
     doubt: V,
 }
 
-impl<V> Gathered<V> {
+impl<V> Irises<V> {
     /// The row of its pixels from `start` on.
     #[inline(always)]
     pub(crate) fn row<S: Simd>(&self, start: usize) -> Row
@@ -345,8 +382,7 @@ pub(crate) fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool>
     by: &[f32; LANES],
     hidden: Option<&Hidden<f32x8<S>>>,
 ) -> Sums<f32x8<S>> {
-    let (zero, defocus) = (f32x8::splat(simd, 0.0), f32x8::from_slice(simd, by));
-    let mut sums = Sums { full: zero, rgba: [zero; 4], lens: [zero; 2], doubt: zero };
+    let (mut sums, defocus) = (Sums::<f32x8<S>>::new(simd), f32x8::from_slice(simd, by));
     for tap in taps {
         let dy = tap.y - y;
         if dy.abs() > tap.reach {
@@ -373,19 +409,10 @@ pub(crate) fn add_up<S: Simd, F: Footprint, const DOUBT: bool, const LENS: bool>
             to_lens = f32x8::splat(simd, 1.0);
         }
         if let Some(hidden) = hidden {
-            let along = u.mul_add(hidden.direction[0], v * hidden.direction[1]) * to_lens;
-            let open = ((hidden.edge - along) * weight.sharpness + 0.5).max(0.0).min(1.0);
-            let strength = hidden.strength * weight.trust;
-            share *= strength.mul_add(open - 1.0, f32x8::splat(simd, 1.0));
+            share *= hidden.open([u, v], to_lens, (weight.sharpness, weight.trust));
         }
 
-        sums.full += share;
-        for (sum, c) in sums.rgba.iter_mut().zip(tap.rgba) {
-            *sum = share.mul_add(f32x8::splat(simd, c), *sum);
-        }
-        if DOUBT {
-            sums.doubt = share.mul_add(f32x8::splat(simd, tap.doubt), sums.doubt);
-        }
+        sums.add::<S, DOUBT>(share, tap.rgba, tap.doubt);
         if LENS {
             let point = share * to_lens * weight.trust;
             sums.lens = [point.mul_add(u, sums.lens[0]), point.mul_add(v, sums.lens[1])];

@@ -9,7 +9,7 @@ use crate::{
     forest::Piece,
     gather::Gather,
     lens_map::PixelLens,
-    row::{BlockTap, COLUMNS, Footprint, Gathered, LANES, Row, Shared, Slab, add_up, gather},
+    row::{BlockTap, COLUMNS, Footprint, Irises, LANES, Row, Shared, Slab, add_up, fill_irises},
     tap::Weight,
     view_lens::TileLens,
 };
@@ -193,23 +193,20 @@ impl Gather<'_> {
         let shared = Shared { lens: &lens, table: &self.table, max_radius: self.max_radius };
         let Taps { even, block, even_block, slabs, .. } = scratch;
         if !even.is_empty() {
-            // Two rows at once where a vector holds them
-            let mut put_wanted = |from: u32, gathered: [Option<Row>; 2]| {
-                let wanted = (from..).zip(gathered).filter(|&(row, _)| is_wanted(row));
-                wanted.for_each(|(row, gathered)| gathered.iter().for_each(|gathered| put(row, gathered)));
-            };
             let place = |row: u32| row as f32 * step - half[1];
+            // Two rows at once where a vector holds them
             if S::f32s::LEN >= 2 * LANES {
                 for row in (0..rows).step_by(2).filter(|&row| is_wanted(row) || is_wanted(row + 1)) {
                     let at = Places::<f32x16<S>>::new(simd, step, [place(row), place(row + 1)]);
                     let found = gather_even::<_, _, DOUBT>(simd, slabs, even_block, &at);
-                    put_wanted(row, [found.row(0), found.row(LANES)].map(Some));
+                    for k in (0..2).filter(|&k| is_wanted(row + k)) {
+                        put(row + k, &found.row(k as usize * LANES));
+                    }
                 }
             } else {
                 for row in (0..rows).filter(|&row| is_wanted(row)) {
                     let at = Places::<f32x8<S>>::new(simd, step, [place(row)]);
-                    let found = gather_even::<_, _, DOUBT>(simd, slabs, even_block, &at);
-                    put_wanted(row, [Some(found.row(0)), None]);
+                    put(row, &gather_even::<_, _, DOUBT>(simd, slabs, even_block, &at).row(0));
                 }
             }
             return;
@@ -223,7 +220,7 @@ impl Gather<'_> {
             }
             let eye = |i: usize| self.lens.eye_at(f64::from(x + step * i as f32), f64::from(y + step * row as f32));
             let footprint = footprint.over_row(|| std::array::from_fn(eye));
-            let gathered = gather(
+            let gathered = fill_irises(
                 simd,
                 slabs,
                 #[inline(always)]
@@ -310,8 +307,8 @@ fn gather_even<S: Simd, V: SimdFloat<S, Element = f32>, const DOUBT: bool>(
     slabs: &[Slab],
     taps: &[EvenTap],
     at: &Places<V>,
-) -> Gathered<V> {
-    gather(
+) -> Irises<V> {
+    fill_irises(
         simd,
         slabs,
         #[inline(always)]

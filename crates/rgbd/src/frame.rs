@@ -41,8 +41,8 @@ pub enum FrameError {
 /// One surface per pixel: premultiplied linear colour and planar depth.
 ///
 /// Where a layer holds nothing (a hidden layer where no lens point sees a second surface) alpha is 0 and the depth is
-/// not known; where a hidden surface fills only a part of a pixel alpha is that part. Where `known` is false but alpha is not 0 there is a surface at an unknown depth (a hole in a sensor's
-/// depth). A known depth is in (0, +inf]; +inf is the sky. An unknown depth is stored as +inf and must not be used.
+/// not known; where a hidden surface fills only a part of a pixel alpha is that part. Where `known` is false but alpha is not
+/// 0 there is a surface at an unknown depth (a hole in a sensor's depth). A known depth is in (0, +inf]; +inf is the sky. An unknown depth is stored as +inf and must not be used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
     /// Colour, premultiplied and linear.

@@ -114,7 +114,7 @@ fn an_iris_as_wide_as_the_hinge_is_far_leaves_no_steps() {
 fn a_floor_whose_blur_grows_from_0_to_60_pixels_shows_no_seam_where_its_cells_change() {
     // No edge anywhere: each part of the floor is summed up in cells of its own size, from 1 to 4 pixels, and the parts are
     // added. White noise is the worst texture: measured were 2.2e-3 of the mean and 0.011 at most, tilted, and half of that
-    // untilted; a part that were missing or there twice would show as 0.1 and more
+    // untilted
     const MEAN: f64 = 3e-3;
     const WORST: f32 = 0.02;
     const FURNACE: f32 = 1e-5;
